@@ -1,0 +1,153 @@
+/*
+ * Protocol version 1 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md, "Protocol").
+ *
+ * The host sends requests: a 16-byte header and `length` payload bytes. The device answers each request with one
+ * reply, in order: a 16-byte header and `length` payload bytes; FRAME is answered by one reply per tile and a last one with
+ * USB_TILE_LAST set. Little-endian. A message may span packets; it ends by its length, not by a short packet.
+ */
+#ifndef FIRMWARE_USB_PROTOCOL_H
+#define FIRMWARE_USB_PROTOCOL_H
+
+#include <stdint.h>
+
+#define USB_PROTOCOL_VERSION 1u
+#define USB_PROTOCOL_MAGIC   0x5447u /* "GT" */
+
+#define USB_VENDOR_ID        0x1209u /* pid.codes test id: for development only, not for shipping */
+#define USB_PRODUCT_ID       0x0001u
+#define USB_ENDPOINT_OUT     0x01u
+#define USB_ENDPOINT_IN      0x81u
+#define USB_INTERFACE_CLASS  0xffu
+
+enum usb_message {
+    USB_MSG_INFO = 1, /* -> usb_info */
+    USB_MSG_BEGIN,    /* usb_begin -> nothing; opens an upload to a slot's spare bank */
+    USB_MSG_DATA,     /* usb_data + bytes -> nothing; offsets ascend without gap */
+    USB_MSG_COMMIT,   /* -> nothing; checks length, CRC-32 and content, then makes the upload live */
+    USB_MSG_ABORT,    /* -> nothing; drops the upload */
+    USB_MSG_SELECT,   /* usb_select -> nothing; material to table slot */
+    USB_MSG_SET,      /* usb_set + value -> nothing */
+    USB_MSG_FRAME,    /* usb_frame -> tiles */
+    USB_MSG_STATS,    /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
+    USB_MSG_RESET,    /* -> nothing; forgets select and set, drops an upload; flash stays */
+};
+
+enum usb_status {
+    USB_OK = 0,
+    USB_ERR_MAGIC,      /* header malformed: the device stalls the OUT endpoint after this reply */
+    USB_ERR_VERSION,    /* protocol version not served */
+    USB_ERR_TYPE,       /* unknown message */
+    USB_ERR_LENGTH,     /* payload length does not fit the message */
+    USB_ERR_STATE,      /* data/commit without begin, frame without scene */
+    USB_ERR_SLOT,       /* no such slot */
+    USB_ERR_TOO_LARGE,  /* upload longer than the slot's bank: detail = bank bytes */
+    USB_ERR_OFFSET,     /* data not at the expected offset: detail = expected offset */
+    USB_ERR_INCOMPLETE, /* commit before all bytes came: detail = bytes received */
+    USB_ERR_CRC,        /* CRC-32 differs: detail = CRC found */
+    USB_ERR_CONTENT,    /* table or scene refused: detail = enum lut_status or enum scene_status */
+    USB_ERR_FLASH,      /* erase or program failed */
+    USB_ERR_FORBIDDEN,  /* the board forbids writing */
+    USB_ERR_VALUE,      /* set/select value out of range */
+    USB_ERR_RENDER,     /* frame refused: detail = enum raster_status */
+    USB_ERR_TABLE,      /* frame refused: a measured material's slot is empty: detail = material index */
+    USB_ERR_MEMORY,     /* frame refused: arena too small: detail = bytes needed */
+    USB_ERR_BUSY,       /* a frame is being streamed */
+    USB_STATUS_COUNT
+};
+
+struct usb_header { /* both directions */
+    uint16_t magic;  /* USB_PROTOCOL_MAGIC */
+    uint8_t version; /* USB_PROTOCOL_VERSION */
+    uint8_t type;    /* enum usb_message; replies set bit 7 */
+    uint16_t sequence; /* chosen by the host, returned in the reply */
+    uint16_t status;   /* 0 in requests; enum usb_status in replies */
+    uint32_t length;   /* payload bytes that follow */
+    uint32_t detail;   /* 0 in requests; see enum usb_status */
+};
+
+enum usb_slot_kind { USB_SLOT_EMPTY = 0, USB_SLOT_TABLE = 1, USB_SLOT_SCENE = 2 };
+
+#define USB_MAX_SLOTS 17u /* slot 0 is the scene's, 1..16 are table slots 0..15 of the scene's materials */
+
+struct usb_slot_info {
+    uint32_t kind;  /* enum usb_slot_kind */
+    uint32_t bytes; /* of the live content */
+    uint32_t crc;
+    uint32_t bank_bytes; /* largest upload */
+};
+
+struct usb_info {
+    uint16_t protocol_version, scene_version;
+    char firmware[16]; /* GONIOTILE_VERSION, NUL-padded */
+    uint16_t width, height;
+    uint8_t format; /* enum raster_format */
+    uint8_t slot_count;
+    uint16_t tile_width, tile_height;
+    uint16_t material_count, object_count; /* of the live scene; 0 without */
+    uint16_t light_count;
+    uint32_t triangle_count; /* of the live scene, finest levels */
+    uint32_t arena_bytes;
+    struct usb_slot_info slots[USB_MAX_SLOTS]; /* slot_count are meaningful */
+};
+
+struct usb_begin {
+    uint32_t slot;   /* < slot_count */
+    uint32_t kind;   /* enum usb_slot_kind; scene only in slot 0, tables only elsewhere */
+    uint32_t length; /* bytes that will come, > 0 */
+    uint32_t crc;    /* CRC-32 (IEEE 802.3) over them */
+};
+
+#define USB_MAX_DATA 4096u /* bytes after usb_data in one message; a multiple of 4 except in the upload's last message */
+
+struct usb_data {
+    uint32_t offset;
+};
+
+struct usb_select {
+    uint16_t material;
+    uint16_t table; /* table slot 0..15 */
+};
+
+enum usb_setting {
+    USB_SET_CAMERA = 1, /* struct scene_camera */
+    USB_SET_LIGHT,      /* index (uint32_t) + struct scene_light; index = count adds one, up to SCENE_MAX_LIGHTS */
+    USB_SET_OUTPUT,     /* struct scene_output */
+    USB_SET_MODEL       /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
+};
+
+struct usb_set {
+    uint32_t setting; /* enum usb_setting; the value follows */
+};
+
+struct usb_tile { /* payload of a FRAME reply; the pixels follow, rows without padding */
+    uint16_t x, y, width, height;
+    uint32_t flags; /* USB_TILE_LAST */
+};
+#define USB_TILE_LAST 1u /* the frame is complete; this reply has width = height = 0 and no pixels */
+
+struct usb_stats_request {
+    uint32_t want_tiles; /* 0 or 1 */
+};
+
+struct usb_tile_stats {
+    uint32_t triangles, tested, covered, shaded, fetches, ticks;
+};
+
+struct usb_stats { /* of the last complete frame; totals over its tiles */
+    uint32_t frames;     /* since power-up */
+    uint32_t tile_count; /* usb_tile_stats follow when wanted, row-major */
+    uint32_t ticks_are_modelled; /* 1: from counts; 0: hal.clock */
+    uint32_t begin_ticks; /* culling and binning */
+    uint32_t meshlets_visible;
+    uint32_t arena_used;
+    struct usb_tile_stats total;
+};
+
+_Static_assert(sizeof(struct usb_header) == 16, "layout");
+_Static_assert(sizeof(struct usb_slot_info) == 16, "layout");
+_Static_assert(sizeof(struct usb_info) == 44 + 16 * USB_MAX_SLOTS, "layout");
+_Static_assert(sizeof(struct usb_tile) == 12, "layout");
+_Static_assert(sizeof(struct usb_tile_stats) == 24, "layout");
+_Static_assert(sizeof(struct usb_stats) == 48, "layout");
+
+#endif

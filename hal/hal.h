@@ -1,0 +1,78 @@
+/*
+ * The contract between the firmware and a board: one struct of functions with a context pointer.
+ *
+ * A board fills a struct hal and hands it to app_init. All functions are called from app_poll's thread only, never
+ * from an interrupt; none may block for longer than a few microseconds unless stated. They are called per tile or
+ * per packet, never per pixel.
+ */
+#ifndef HAL_HAL_H
+#define HAL_HAL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Negative results; zero or positive is success. */
+enum hal_result {
+    HAL_OK = 0,
+    HAL_AGAIN = -1,    /* nothing there / no room now: try again later */
+    HAL_ERROR = -2,    /* the operation failed */
+    HAL_FORBIDDEN = -3 /* refused by the board */
+};
+
+enum hal_usb_event {
+    HAL_USB_NONE = 0,
+    HAL_USB_RESET,  /* bus reset or (re)plug: device goes to the default state, endpoint queues are empty */
+    HAL_USB_DETACH, /* cable out */
+    HAL_USB_SETUP   /* a SETUP packet arrived: the 8 bytes are in `setup` */
+};
+
+struct hal {
+    void *ctx; /* passed to every function */
+
+    /* Free-running counter of cycles or instructions, wraps at 2^32. NULL: the firmware reports a cost modelled from
+     * its own counts, which repeats exactly. */
+    uint32_t (*clock)(void *ctx);
+
+    /* A finished tile: w*h pixels, rows without padding, in the format of app_config. NULL: no display. The pixels may be
+     * overwritten when the call returns. Returns HAL_OK or HAL_ERROR (ignored by the renderer, counted). */
+    int (*display_write)(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t h, const void *pixels);
+
+    /* --- USB device controller. Endpoint numbers carry the direction in bit 7 (0x80 = IN, device to host). --- */
+
+    /* Takes the next bus event. For HAL_USB_SETUP fills setup[8]. Never blocks. */
+    enum hal_usb_event (*usb_event)(void *ctx, uint8_t setup[8]);
+
+    /* Takes one received OUT packet of `endpoint` (0 or 1): copies at most `max` bytes, returns its length (0 for a zero-length packet), or
+     * HAL_AGAIN. The controller accepts further packets as room appears; at least 4 KB are buffered. */
+    int (*usb_read)(void *ctx, uint8_t endpoint, void *data, size_t max);
+
+    /* Queues one IN packet of `bytes` <= the endpoint's packet size (0 = zero-length) on `endpoint` (0x80 or 0x81): HAL_OK, or
+     * HAL_AGAIN when its buffer is still full. */
+    int (*usb_write)(void *ctx, uint8_t endpoint, const void *data, size_t bytes);
+
+    /* Sets or clears STALL on an endpoint. A stall of endpoint 0 clears itself with the next SETUP. Clearing also empties the
+     * endpoint's queue and resets its data toggle. */
+    void (*usb_stall)(void *ctx, uint8_t endpoint, bool stalled);
+
+    /* The address from SET_ADDRESS takes effect after the status stage. */
+    void (*usb_set_address)(void *ctx, uint8_t address);
+
+    bool usb_high_speed; /* 512-byte bulk packets instead of 64 */
+
+    /* --- Flash for tables and scene: memory-mapped for reading, erased to 0xff in blocks, bits program from 1 to 0. --- */
+    const uint8_t *flash;       /* 4-aligned */
+    uint32_t flash_bytes;       /* a multiple of flash_block_bytes */
+    uint32_t flash_block_bytes; /* erase unit, a power of two, 256 or more */
+
+    /* Erases one block at a block-aligned offset. May take milliseconds. HAL_OK, HAL_ERROR or HAL_FORBIDDEN. */
+    int (*flash_erase)(void *ctx, uint32_t offset);
+
+    /* Programs `bytes` at `offset`, both multiples of 4; only erased words may be programmed, once. */
+    int (*flash_program)(void *ctx, uint32_t offset, const void *data, uint32_t bytes);
+
+    /* NULL or true: flash may be written. False: a jumper or strap forbids it; begin is refused. */
+    bool (*write_allowed)(void *ctx);
+};
+
+#endif

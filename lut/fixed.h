@@ -1,0 +1,74 @@
+/*
+ * Fixed-point types and the few integer helpers everything else is written in.
+ *
+ * Naming follows ARM's Qm.n with the sign bit counted in m: q17_15_t is an int32_t with 15 fraction bits,
+ * uq12_20_t a uint32_t with 20. Right shifts of negative values are arithmetic on every supported compiler
+ * (gcc and clang define it so); left shifts are only ever done on unsigned or non-negative values.
+ * Nothing here divides by a 64-bit variable, allocates, recurses or keeps state.
+ */
+#ifndef LUT_FIXED_H
+#define LUT_FIXED_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef int32_t q17_15_t;   /* unit vectors and cosines: 1.0 = 32768 */
+typedef int32_t q2_30_t;    /* rotation matrices, products of two q17_15_t: 1.0 = 2^30 */
+typedef int32_t q16_16_t;   /* lengths in world units */
+typedef int32_t q24_8_t;    /* screen coordinates in pixels, 8 sub-pixel bits */
+typedef uint32_t uq16_16_t; /* irradiance, exposure, exponents */
+typedef uint32_t uq12_20_t; /* exposed radiance on its way to the tone curve: 1.0 = display white */
+
+/* A direction; components q17_15_t, length 32768 within a few LSB unless said otherwise. */
+struct vec3 {
+    int32_t x, y, z;
+};
+
+/* Number of leading zero bits. In: x != 0. Out: 0..31. */
+static inline unsigned fx_clz(uint32_t x)
+{
+    return (unsigned)__builtin_clz(x);
+}
+
+/* High word of the 64-bit product, rounded towards minus infinity. Any arguments. */
+static inline int32_t fx_mulhi(int32_t a, int32_t b)
+{
+    return (int32_t)(((int64_t)a * b) >> 32);
+}
+
+static inline uint32_t fx_mulhi_u(uint32_t a, uint32_t b)
+{
+    return (uint32_t)(((uint64_t)a * b) >> 32);
+}
+
+/* Saturating unsigned sum. */
+static inline uint32_t fx_add_sat(uint32_t a, uint32_t b)
+{
+    uint32_t s = a + b;
+    return s < a ? UINT32_MAX : s;
+}
+
+static inline int32_t fx_min(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t fx_max(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
+/* Dot product of two vectors with |component| <= 2^15 (1.0 = 2^15).
+ * Out: 1.0 = 2^30. Bound: unit vectors give |dot| <= 2^30 * (1 + 2^-12), inside int32. */
+static inline q2_30_t fx_dot(struct vec3 a, struct vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+#endif

@@ -1,0 +1,152 @@
+/*
+ * Tile rasterizer: a scene becomes pixels, one tile at a time, without frame buffer, malloc or floating point.
+ *
+ *   struct raster r; struct raster_tile work;
+ *   raster_begin(&r, &frame, arena, sizeof arena);
+ *   for (uint32_t t = 0; t < raster_tile_count(&r); t++) {
+ *       struct raster_rect rect; struct raster_stats stats;
+ *       raster_render_tile(&r, t, &work, &rect, &stats);
+ *       display(rect.x, rect.y, rect.width, rect.height, raster_tile_pixels(&work));
+ *   }
+ *
+ * raster_begin culls meshlets and bins them to tiles; raster_render_tile transforms, rasterizes and shades one
+ * tile. Tiles are independent: any order, any number of threads with one struct raster_tile each, and any tile
+ * size give the same pixels.
+ */
+#ifndef RASTER_RASTER_H
+#define RASTER_RASTER_H
+
+#include "lut.h"
+#include "scene.h"
+
+/* Tile size in pixels; compile-time, both powers of two, at most 64. Does not change a pixel. */
+#ifndef RASTER_TILE_WIDTH
+#define RASTER_TILE_WIDTH 64
+#endif
+#ifndef RASTER_TILE_HEIGHT
+#define RASTER_TILE_HEIGHT 32
+#endif
+
+#define RASTER_MAX_WIDTH  4096u
+#define RASTER_MAX_HEIGHT 4096u
+#define RASTER_MAX_SLOTS  16u /* table slots */
+
+enum raster_format {
+    RASTER_RGB565 = 0, /* uint16_t per pixel, R in bits 15..11 */
+    RASTER_RGB888 = 1  /* three bytes per pixel: R, G, B */
+};
+
+enum raster_status {
+    RASTER_OK = 0,
+    RASTER_ERR_SIZE,  /* width or height zero or above RASTER_MAX_* */
+    RASTER_ERR_ARENA, /* the arena is too small: raster.arena_needed says what this frame takes */
+    RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
+    RASTER_ERR_LIMIT, /* more than 65535 visible meshlets or bin entries */
+    RASTER_ERR_TRANSFORM, /* an object's position or scale is out of the representable range */
+};
+
+/* Everything one frame is made from. Pointers stay owned by the caller and must outlive the frame. */
+struct raster_frame {
+    const struct scene *scene;
+    const struct scene_camera *camera;     /* usually the scene's own, or a moved copy */
+    const struct scene_output *output;
+    const struct scene_light *lights;      /* light_count of them */
+    const struct scene_material *materials; /* as many as the scene has */
+    const struct lut_table *const *tables; /* RASTER_MAX_SLOTS pointers, NULL where a slot is empty */
+    uint16_t width, height;
+    uint8_t light_count;
+    uint8_t format; /* enum raster_format */
+};
+
+struct raster_rect {
+    uint16_t x, y, width, height;
+};
+
+/* What a tile cost, in counts; all zero for a tile without a meshlet. */
+struct raster_stats {
+    uint32_t meshlets;   /* transformed */
+    uint32_t triangles;  /* front-facing ones set up */
+    uint32_t tested;     /* pixels whose depth was compared */
+    uint32_t covered;    /* pixels of the tile that show a surface */
+    uint32_t shaded;     /* pixel-lights evaluated */
+    uint32_t fetches;    /* table texels read */
+};
+
+struct raster_object; /* per-object transform of this frame, in the arena */
+struct raster_visible; /* a meshlet that survived culling, in the arena */
+struct raster_node;    /* an entry of a tile's list, in the arena */
+
+struct raster_light {
+    q17_15_t direction[3]; /* eye space */
+    uint32_t irradiance[3]; /* times exposure, uq16_16 */
+};
+
+/* A frame being rendered. Read-only while tiles render. Fields are internal but for arena_needed, bad_material. */
+struct raster {
+    struct raster_frame frame;
+    struct raster_object *objects;
+    struct raster_visible *visible;
+    struct raster_node *nodes;
+    uint16_t *heads; /* per tile: first node, 0 = none */
+    uint32_t visible_count, node_count;
+    uint16_t tiles_x, tiles_y;
+    struct raster_light lights[SCENE_MAX_LIGHTS];
+    size_t arena_needed;
+    uint32_t bad_material;
+};
+
+/* One tile's working memory: fast RAM, one per thread. Contents are internal. */
+#define RASTER_TILE_PIXELS (RASTER_TILE_WIDTH * RASTER_TILE_HEIGHT)
+#define RASTER_BATCH       64
+
+struct raster_surface {
+    uint32_t depth_slot; /* depth << 8 | slot; 0 = background; larger is nearer */
+    uint32_t normal;     /* stereographic u (low half) and v (high half), Q14 */
+};
+
+struct raster_vertex { /* projected */
+    q24_8_t x, y;        /* relative to the tile's corner */
+    uint32_t inv_w;      /* 24-bit depth */
+    int16_t u, v;
+};
+
+struct raster_slot { /* a meshlet in this tile: what shading needs of it */
+    int16_t frame[9]; /* eye space from the meshlet's frame, Q14, columns applied to local normal */
+    uint16_t material;
+};
+
+struct raster_tile {
+    struct raster_surface surface[RASTER_TILE_PIXELS]; /* the finished pixels overwrite it from the start */
+    struct raster_slot slots[256];
+    struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
+    int32_t spans[2 * RASTER_TILE_HEIGHT];
+};
+
+/* Bytes of arena that this very frame needs; 0 when raster_begin would fail for another reason. Runs the culling
+ * pass, so costs what raster_begin does. */
+size_t raster_arena_bytes(const struct raster_frame *f);
+
+/* Culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. On error *r is not a
+ * frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) are set. */
+enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes);
+
+/* A short lower-case English sentence, constant storage. */
+const char *raster_status_text(enum raster_status s);
+
+static inline uint32_t raster_tile_count(const struct raster *r)
+{
+    return (uint32_t)r->tiles_x * r->tiles_y;
+}
+
+/* Renders tile `index` (row-major, < raster_tile_count). *rect is its place on the screen, cut at the picture's
+ * right and bottom edge; pixels are rect->width * rect->height, row by row without padding, at
+ * raster_tile_pixels(work), valid until work is used again. */
+void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work,
+                        struct raster_rect *rect, struct raster_stats *stats);
+
+static inline const uint8_t *raster_tile_pixels(const struct raster_tile *work)
+{
+    return (const uint8_t *)work->surface;
+}
+
+#endif

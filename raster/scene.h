@@ -1,0 +1,184 @@
+/*
+ * The scene blob: what the host tool gtscene writes and the device renders, read in place.
+ *
+ * Layout: one scene_header, then the arrays it points to. Little-endian, every array 4-aligned at the byte offset
+ * given, lengths in elements. All structures are fixed-size and padding-free; SPEC.md, "Scene blob", repeats this
+ * byte by byte.
+ *
+ * Conventions: world and eye space are right-handed with +Y up; the eye looks down -Z; triangles are
+ * counter-clockwise seen from outside; a rotation is nine q2_30_t, row-major.
+ * Eye space: e = camera.rotation * (world - camera.eye). Depth: w = -e.z, visible from camera.near on.
+ * Screen (pixels, y down, pixel centres at .5), H the picture's height:
+ *   sx = W/2 + H/2 * focal * e.x / w        sy = H/2 - H/2 * focal * e.y / w
+ * World position of vertex q: object.rotation * q * scale + object.position, where scale =
+ * object.scale_mantissa * 2^-(30 + object.scale_shift): uniform, so that normals need only the rotation.
+ */
+#ifndef RASTER_SCENE_H
+#define RASTER_SCENE_H
+
+#include "fixed.h"
+
+#define SCENE_MAGIC                 0x43535447u /* "GTSC" */
+#define SCENE_VERSION               1u
+#define SCENE_MAX_BYTES             (64u << 20)
+#define SCENE_MAX_OBJECTS           4096u
+#define SCENE_MAX_MATERIALS         64u
+#define SCENE_MAX_LIGHTS            16u
+#define SCENE_MESHLET_MAX_VERTICES  32u
+#define SCENE_MESHLET_MAX_TRIANGLES 32u
+
+struct scene_array {
+    uint32_t offset; /* bytes from the start of the blob, a multiple of 4 */
+    uint32_t count;  /* elements */
+};
+
+struct scene_camera {
+    q16_16_t eye[3];
+    q2_30_t rotation[9]; /* rows: right, up, back; orthonormal within 2^-14 */
+    uq16_16_t focal;     /* cot(vertical field of view / 2), 2^-8 .. 2^8 */
+    uq16_16_t near;      /* > 0 */
+};
+
+enum scene_tone_curve { SCENE_TONE_NONE = 0, SCENE_TONE_ACES = 1 };
+
+struct scene_output {
+    uq16_16_t exposure;    /* multiplies every light */
+    uint8_t tone_curve;    /* enum scene_tone_curve */
+    uint8_t background[3]; /* sRGB, what a pixel without surface shows */
+};
+
+enum scene_light_kind { SCENE_LIGHT_DIRECTIONAL = 0 };
+
+struct scene_light {
+    uint8_t kind;            /* enum scene_light_kind */
+    uint8_t reserved[3];     /* 0 */
+    q2_30_t direction[3];    /* world space, unit within 2^-14, towards the light */
+    uq16_16_t irradiance[3]; /* on a surface facing the light, linear sRGB; pi on white diffuse is display white */
+};
+
+enum scene_material_kind { SCENE_MATERIAL_MEASURED = 0, SCENE_MATERIAL_LAFORTUNE_PHONG = 1 };
+
+struct scene_material {
+    uint8_t kind;            /* enum scene_material_kind */
+    uint8_t slot;            /* table slot, for measured */
+    uint8_t reserved[2];     /* 0 */
+    uq16_16_t kd[3];         /* Lafortune-Phong: f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n, 0..1 */
+    uq16_16_t ks[3];         /* 0..1 */
+    uq16_16_t exponent;      /* n, 0..4096 */
+    char name[16];           /* ASCII, NUL-padded */
+};
+
+struct scene_object {
+    uint16_t mesh, material;
+    q16_16_t position[3];
+    q2_30_t rotation[9];     /* orthonormal within 2^-14 */
+    uint32_t scale_mantissa; /* 2^30 .. 2^31-1 */
+    int32_t scale_shift;     /* 0 .. 40: world units per vertex unit = mantissa * 2^-(30+shift) */
+};
+
+struct scene_mesh {
+    uint32_t lod_first, lod_count; /* into lods; count >= 1, finest first */
+    int16_t lo[3], hi[3];          /* bounding box of all its vertices */
+};
+
+struct scene_lod {
+    uint32_t meshlet_first, meshlet_count; /* into meshlets */
+    uint32_t error;                        /* largest simplification error, vertex units, rounded up */
+};
+
+/*
+ * A meshlet: at most 32 vertices and 32 triangles. Its frame's rows are x, y, z axes in object space (Q14,
+ * orthonormal within 2^-12); z is the mean normal direction. Normals are stored in that frame.
+ * Back-face cone: every triangle's geometric normal g satisfies g.z_axis >= cos(a), and cone_cutoff = sin(a)
+ * in Q14 rounded up, so that a meshlet is invisible when for its whole box dot(p - eye, z_axis) >=
+ * cone_cutoff * |p - eye|; 16384 disables the test.
+ */
+struct scene_meshlet {
+    int16_t lo[3], hi[3]; /* box of its vertices, object space, vertex units */
+    int16_t frame[9];
+    int16_t cone_cutoff;
+    uint32_t vertex_first;   /* into vertices */
+    uint32_t triangle_first; /* into triangles */
+    uint8_t vertex_count;    /* 3..32 */
+    uint8_t triangle_count;  /* 1..32 */
+    uint16_t reserved;       /* 0 */
+};
+
+/* Position in vertex units and normal as stereographic coordinates in the meshlet's frame, Q14:
+ * n = (2u, 2v, 1-s)/(1+s), s = u^2+v^2; s <= 1 (a normal within 90 degrees of the frame's z). */
+struct scene_vertex {
+    int16_t x, y, z;
+    int16_t u, v;
+};
+
+/* Three vertex indices local to the meshlet, counter-clockwise. */
+struct scene_triangle {
+    uint8_t v[3];
+};
+
+struct scene_header {
+    uint32_t magic;
+    uint16_t version;
+    uint16_t header_bytes; /* sizeof(struct scene_header) */
+    uint32_t total_bytes;
+    struct scene_camera camera;
+    struct scene_output output;
+    struct scene_array lights, materials, objects, meshes, lods, meshlets, vertices, triangles;
+};
+
+_Static_assert(sizeof(struct scene_camera) == 56, "layout");
+_Static_assert(sizeof(struct scene_output) == 8, "layout");
+_Static_assert(sizeof(struct scene_light) == 28, "layout");
+_Static_assert(sizeof(struct scene_material) == 48, "layout");
+_Static_assert(sizeof(struct scene_object) == 60, "layout");
+_Static_assert(sizeof(struct scene_mesh) == 20, "layout");
+_Static_assert(sizeof(struct scene_lod) == 12, "layout");
+_Static_assert(sizeof(struct scene_meshlet) == 44, "layout");
+_Static_assert(sizeof(struct scene_vertex) == 10, "layout");
+_Static_assert(sizeof(struct scene_triangle) == 3, "layout");
+_Static_assert(sizeof(struct scene_header) == 140, "layout");
+
+/* A validated blob; pointers into it. */
+struct scene {
+    const struct scene_header *header;
+    const struct scene_light *lights;
+    const struct scene_material *materials;
+    const struct scene_object *objects;
+    const struct scene_mesh *meshes;
+    const struct scene_lod *lods;
+    const struct scene_meshlet *meshlets;
+    const struct scene_vertex *vertices;
+    const struct scene_triangle *triangles;
+};
+
+enum scene_status {
+    SCENE_OK = 0,
+    SCENE_ERR_TRUNCATED, /* shorter than its header or an array says */
+    SCENE_ERR_ALIGNMENT, /* the buffer or an array offset is not 4-aligned */
+    SCENE_ERR_MAGIC,
+    SCENE_ERR_VERSION,
+    SCENE_ERR_HEADER, /* header_bytes or total_bytes wrong */
+    SCENE_ERR_LIMIT,  /* more of something than SCENE_MAX_* */
+    SCENE_ERR_CAMERA,
+    SCENE_ERR_OUTPUT,
+    SCENE_ERR_LIGHT,
+    SCENE_ERR_MATERIAL,
+    SCENE_ERR_OBJECT,
+    SCENE_ERR_MESH,
+    SCENE_ERR_MESHLET,
+    SCENE_STATUS_COUNT
+};
+
+/* A short lower-case English sentence, constant storage. */
+const char *scene_status_text(enum scene_status s);
+
+/* Validates every offset, count, index and range above (one pass over meshlets and triangles) and fills *out,
+ * which is untouched on error. In: blob of `bytes` bytes, 4-aligned, owned by the caller, must outlive *out. */
+enum scene_status scene_open(struct scene *out, const void *blob, size_t bytes);
+
+/* The checks scene_open makes of the parts that a host may also set one by one. */
+enum scene_status scene_check_camera(const struct scene_camera *c);
+enum scene_status scene_check_output(const struct scene_output *o);
+enum scene_status scene_check_light(const struct scene_light *l);
+
+#endif
