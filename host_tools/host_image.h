@@ -1,0 +1,20 @@
+/*
+ * Image output for every host program, through OpenImageIO in goniotile_oiio.so, which is opened on first
+ * use: from the executable's own folder, else from ../lib/goniotile beside it.
+ *
+ * Pixels are row-major, top row first, channels interleaved (1 grey, 3 RGB, 4 RGBA); the extension of `path`
+ * chooses the format. Output is atomic: `path` is the old file or the whole new one. Both die with EXIT_FILE,
+ * saying what to do, when the shared object is missing, the format is unknown or the file cannot be written.
+ */
+#ifndef HOST_TOOLS_HOST_IMAGE_H
+#define HOST_TOOLS_HOST_IMAGE_H
+
+#include <stdint.h>
+
+/* sRGB-encoded bytes (PNG). */
+void image_write_u8(const char *path, int width, int height, int channels, const uint8_t *pixels);
+
+/* Linear light in 32-bit floats (EXR). */
+void image_write_float(const char *path, int width, int height, int channels, const float *pixels);
+
+#endif
