@@ -3,13 +3,17 @@ B       ?= build
 CC      ?= cc
 CXX     ?= c++
 OPT     ?= -O2
+PREFIX  ?= /usr/local
+JOBS    ?= $(shell nproc)
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wstrict-prototypes -Werror
 CORE_INC:= -I. -Ilut -Iraster -Ifirmware -Ihal
 # The freestanding folders are compiled with nothing but the compiler's own headers.
-CORE    := -std=c11 $(OPT) -g $(WARN) -ffreestanding -nostdinc -isystem $(shell $(CC) -print-file-name=include) $(CORE_INC)
-HOST    := -std=c11 $(OPT) -g $(WARN) $(CORE_INC) -Ihal/sim -Ihost_tools -MMD -MP
-SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
-PREFIX  ?= /usr/local
+CORE     = -std=c11 $(OPT) -g $(WARN) -MMD -MP -ffreestanding -nostdinc -isystem $(CC_INCLUDE) $(CORE_INC)
+HOST     = -std=c11 $(OPT) -g $(WARN) -MMD -MP $(CORE_INC) -Ihal/sim -Ihost_tools
+TEST     = $(HOST) -Itests/reference
+# The reference renderer sees no header of the product.
+REF      = -std=c11 $(OPT) -g $(WARN) -MMD -MP -Itests/reference
+SAN     ?= -fsanitize=address,undefined -fno-sanitize-recover=all
 
 CORE_C  := $(wildcard lut/*.c raster/*.c firmware/*.c)
 SIM_C   := $(wildcard hal/sim/*.c)
@@ -17,21 +21,32 @@ SIM_C   := $(wildcard hal/sim/*.c)
 HOSTM_C := $(wildcard host_tools/common.c host_tools/host_*.c)
 REF_C   := $(wildcard tests/reference/*.c)
 TOOLS   := gtlut gtscene gtusb gtsim
+SUITES  := unit hard_cases golden budget exhaustive
+TEST_C  := $(wildcard $(SUITES:%=tests/%/test_*.c))
+BENCH_C := $(wildcard tests/bench/*.c)
 
-pkgflags = $(shell pkg-config --cflags $(1) 2>/dev/null)
-pkglibs  = $(shell pkg-config --libs $(1) 2>/dev/null)
-LIBS_gtlut   := -lm -ldl
-LIBS_gtscene := $(call pkglibs,assimp) -lmeshoptimizer -lcjson -lm
-LIBS_gtusb   := $(call pkglibs,libusb-1.0) -lz -lm -ldl
-LIBS_gtsim   := $(call pkglibs,umockdev-1.0 glib-2.0 gobject-2.0) -lz -lm -ldl
-CFLAGS_gtusb := $(call pkgflags,libusb-1.0)
-CFLAGS_gtsim := $(call pkgflags,umockdev-1.0 glib-2.0 gobject-2.0)
+# Asked for when a recipe runs, not before: the packages may have been installed by a target just finished.
+CC_INCLUDE = $(shell $(CC) -print-file-name=include)
+pkgflags   = $(shell pkg-config --cflags $(1))
+pkglibs    = $(shell pkg-config --libs $(1))
+GLIB_PKGS := umockdev-1.0 glib-2.0 gobject-2.0
+CFLAGS_gtusb  = $(call pkgflags,libusb-1.0)
+CFLAGS_gtsim  = $(call pkgflags,$(GLIB_PKGS))
+LIBS_gtlut    = -lm -ldl
+LIBS_gtscene  = $(call pkglibs,assimp) -lmeshoptimizer -lcjson -lm
+LIBS_gtusb    = $(call pkglibs,libusb-1.0) -lz -lm -ldl
+LIBS_gtsim    = $(call pkglibs,$(GLIB_PKGS)) -lz -lm -ldl
+LIBS_test     = -lcmocka -lcjson -lz -lm -ldl
 
-.PHONY: all deps-demo deps-check deps-bench demo check check-long bench size lint format install clean help
+# Runs make again, in parallel unless -j was given, so that what was just installed is seen.
+AGAIN = @$(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JOBS))
+
+.PHONY: all deps-demo deps-check deps-bench demo demo-data tests check check-built check-long bench bench-built size \
+        lint format install clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $(TOOLS:%=$(B)/%) $(B)/goniotile_oiio.so ## build the freestanding library, the simulator and the host tools
+all: $(B)/libgoniotile.a $(TOOLS:%=$(B)/%) $(B)/goniotile_oiio.so ## build the freestanding library, the simulator and the host tools
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 14
@@ -39,8 +54,9 @@ help: ## list the targets
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
               zlib1g-dev libumockdev-dev umockdev libglib2.0-dev
-DEPS_CHECK := $(DEPS_DEMO) libcmocka-dev gcc-arm-none-eabi clang npm nodejs
-DEPS_BENCH := $(DEPS_DEMO) gcc-arm-none-eabi valgrind
+CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
+DEPS_CHECK := $(DEPS_DEMO) $(CROSS) libcmocka-dev clang-format-14 nodejs npm
+DEPS_BENCH := $(DEPS_DEMO) $(CROSS) valgrind
 
 deps-demo: ## install what `make demo` needs (Debian packages)
 	@tests/install_deps.sh $(DEPS_DEMO)
@@ -49,50 +65,81 @@ deps-check: ## install what `make check` needs
 deps-bench: ## install what `make bench` needs
 	@tests/install_deps.sh $(DEPS_BENCH)
 
+# --- what people run ---
+demo: deps-demo ## measure six materials, push them to the simulated device, write build/demo/frame*.png
+	$(AGAIN) all demo-data
+	@B=$(B) host_tools/demo.sh
+
+check: deps-check ## build and run every test; ends with `N passed, N failed, N skipped`
+	$(AGAIN) check-built
+check-built: all demo-data tests
+	@B=$(B) CC=$(CC) tests/run.sh
+
+check-long: deps-check ## check, then the same tests built by clang -O3 and by gcc -O0, without sanitizers
+	$(AGAIN) check-built
+	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 SAN=
+	$(AGAIN) check-built B=$(B)/gcc-O0 CC=gcc OPT=-O0 SAN=
+
+bench: deps-bench ## measure; writes build/bench/results.csv
+	$(AGAIN) bench-built
+bench-built: all demo-data $(BENCH_C:tests/%.c=$(B)/%)
+	@B=$(B) tests/bench/run.sh
+
+size: deps-bench ## print code size per module and target
+	@B=$(B) tests/bench/size.sh
+
+lint: ## include rules, mutable data, format, documents
+	$(AGAIN) $(B)/libgoniotile.a
+	@B=$(B) CC=$(CC) tests/lint.sh
+
+format: ## rewrite every C file in the project's style
+	clang-format-14 -i $$(git ls-files -co --exclude-standard '*.c' '*.h' '*.cc')
+
 # --- libraries ---
 $(B)/core/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CORE) -MMD -MP -c $< -o $@
-$(B)/host/%.o: %.c
-	@mkdir -p $(@D)
-	$(CC) $(HOST) -c $< -o $@
+	$(CC) $(CORE) -c $< -o $@
 $(B)/san/core/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CORE) $(SAN) -MMD -MP -c $< -o $@
+	$(CC) $(CORE) $(SAN) -c $< -o $@
+# gtusb_list.c is compiled with what the packages of gtusb ask for.
+$(B)/host/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(HOST) $(CFLAGS_$(firstword $(subst _, ,$(notdir $*)))) -c $< -o $@
 $(B)/san/host/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(HOST) $(SAN) -c $< -o $@
+$(B)/host/tests/%.o: tests/%.c
+	@mkdir -p $(@D)
+	$(CC) $(TEST) -c $< -o $@
+$(B)/san/host/tests/%.o: tests/%.c
+	@mkdir -p $(@D)
+	$(CC) $(TEST) $(SAN) -c $< -o $@
+$(B)/host/tests/reference/%.o: tests/reference/%.c
+	@mkdir -p $(@D)
+	$(CC) $(REF) -c $< -o $@
+$(B)/san/host/tests/reference/%.o: tests/reference/%.c
+	@mkdir -p $(@D)
+	$(CC) $(REF) $(SAN) -c $< -o $@
 
-$(B)/libgoniotile.a: $(CORE_C:%.c=$(B)/core/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/libsim.a: $(SIM_C:%.c=$(B)/host/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/libhost.a: $(HOSTM_C:%.c=$(B)/host/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/libreference.a: $(REF_C:%.c=$(B)/host/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/san/libgoniotile.a: $(CORE_C:%.c=$(B)/san/core/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/san/libsim.a: $(SIM_C:%.c=$(B)/san/host/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/san/libhost.a: $(HOSTM_C:%.c=$(B)/san/host/%.o)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(B)/san/libreference.a: $(REF_C:%.c=$(B)/san/host/%.o)
+# $(call LIBRARIES,prefix): the four archives, once plain and once for the sanitized tests.
+define LIBRARIES
+$(1)/libgoniotile.a: $$(CORE_C:%.c=$(1)/core/%.o)
+$(1)/libsim.a: $$(SIM_C:%.c=$(1)/host/%.o)
+$(1)/libhost.a: $$(HOSTM_C:%.c=$(1)/host/%.o)
+$(1)/libreference.a: $$(REF_C:%.c=$(1)/host/%.o)
+endef
+$(eval $(call LIBRARIES,$(B)))
+$(eval $(call LIBRARIES,$(B)/san))
+LIBS     := $(B)/libhost.a $(B)/libsim.a $(B)/libgoniotile.a
+LIBS_SAN := $(LIBS:$(B)/%=$(B)/san/%)
+%.a:
 	@rm -f $@
 	$(AR) rcs $@ $^
 
 # --- tools ---
 define TOOL
-$(B)/host/host_tools/$(1).o $(B)/host/host_tools/$(1)_%.o: HOST += $$(CFLAGS_$(1))
-$(B)/$(1): $$(patsubst %.c,$(B)/host/%.o,$$(wildcard host_tools/$(1).c host_tools/$(1)_*.c)) \
-		$(B)/libhost.a $(B)/libsim.a $(B)/libgoniotile.a
+$(B)/$(1): $$(patsubst %.c,$(B)/host/%.o,$$(wildcard host_tools/$(1).c host_tools/$(1)_*.c)) $(LIBS)
 	$$(CC) -o $$@ $$^ $$(LIBS_$(1))
 endef
 $(foreach t,$(TOOLS),$(eval $(call TOOL,$(t))))
@@ -102,7 +149,43 @@ $(B)/goniotile_oiio.so: host_tools/oiio_shim.cc host_tools/oiio_shim.h
 	@mkdir -p $(@D)
 	$(CXX) -std=c++17 $(OPT) -g -Wall -Wextra -Werror -fPIC -shared -o $@ $< $(call pkglibs,OpenImageIO)
 
--include $(shell test -d $(B) && find $(B) -name '*.d')
+# --- the demo's scene and tables, also what golden and budget tests and the benchmark render ---
+MATERIALS := matte_white plastic_red gold plastic_blue_rough copper_satin satin_green
+demo-data: $(B)/demo/six_models.blob $(MATERIALS:%=$(B)/demo/%.ktx2)
+$(B)/demo/%.blob: host_tools/scenes/%.json $(B)/gtscene
+	@mkdir -p $(@D)
+	$(B)/gtscene build $< -o $@
+$(B)/demo/%.csv: $(B)/gtlut
+	@mkdir -p $(@D)
+	$(B)/gtlut measure $* -o $@
+$(B)/demo/%.ktx2: $(B)/demo/%.csv
+	$(B)/gtlut build $< -o $@
+
+# --- test and benchmark programs ---
+tests: $(TEST_C:%.c=$(B)/%)
+$(B)/tests/%: $(B)/san/host/tests/%.o $(B)/san/libreference.a $(LIBS_SAN)
+	@mkdir -p $(@D)
+	$(CC) $(SAN) -o $@ $^ $(LIBS_test)
+# Sweeps over millions of cases run at full speed.
+$(B)/tests/exhaustive/%: $(B)/host/tests/exhaustive/%.o $(B)/libreference.a $(LIBS)
+	@mkdir -p $(@D)
+	$(CC) -o $@ $^ $(LIBS_test)
+$(B)/bench/%: $(B)/host/tests/bench/%.o $(LIBS)
+	@mkdir -p $(@D)
+	$(CC) -o $@ $^ -lz -lm -ldl
+
+# --- installation ---
+BIN := $(DESTDIR)$(PREFIX)/bin
+INC := $(DESTDIR)$(PREFIX)/include/goniotile
+install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rules
+	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
+	install $(TOOLS:%=$(B)/%) $(BIN)
+	install -m 644 $(B)/goniotile_oiio.so $(B)/libgoniotile.a $(DESTDIR)$(PREFIX)/lib
+	install -m 644 $(wildcard lut/*.h raster/*.h firmware/*.h) hal/hal.h $(INC)
+	install -m 644 host_tools/70-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
+	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile
 
 clean: ## remove everything built
 	rm -rf $(B)
+
+-include $(shell test -d $(B) && find $(B) -name '*.d')
