@@ -1,30 +1,85 @@
 /*
- * The firmware: frame loop, USB device, protocol and table store over a struct hal. No main: a board's main fills a
- * struct hal and a struct app_config, calls app_init once and app_poll for ever.
+ * The firmware: frame loop, USB device, protocol and table store over a struct hal. No main: a board's main
+ * fills a struct hal and a struct app_config, calls app_init once and app_poll for ever.
  */
 #ifndef FIRMWARE_APP_H
 #define FIRMWARE_APP_H
 
 #include "hal.h"
+#include "protocol.h"
 #include "raster.h"
 #include "table_store.h"
 #include "usb_device.h"
 #include "usb_protocol.h"
 
 struct app_config {
-    uint16_t width, height; /* of the picture */
-    uint8_t format;         /* enum raster_format, for display and USB */
-    uint8_t slot_count;     /* 2..USB_MAX_SLOTS: the scene's and the table slots */
-    uint32_t scene_bank_bytes; /* of slot 0; 0: an equal share of the flash for every bank */
-    void *arena;            /* 8-aligned: bins and transforms of a frame */
+    uint16_t width, height;    /* of the picture */
+    uint8_t format;            /* enum raster_format, for display and USB */
+    uint8_t slot_count;        /* 2..USB_MAX_SLOTS: the scene's and the table slots */
+    uint32_t scene_bank_bytes; /* of slot 0, a multiple of the flash block; 0: an equal share of the flash for
+                                  every bank */
+    void *arena;               /* 8-aligned: bins and transforms of a frame */
     size_t arena_bytes;
     struct usb_tile_stats *tile_stats; /* one per tile, or NULL: no per-tile statistics */
     uint32_t tile_stats_count;
-    const char *serial;     /* USB serial number, ASCII, at most 31 characters, must outlive the app */
+    const char *serial; /* USB serial number, ASCII, 1 to 31 characters, must outlive the app */
 };
 
 enum app_status { APP_OK = 0, APP_ERR_CONFIG, APP_ERR_FLASH };
 
-struct app; /* defined below by firmware; sizeof is known to the caller */
+/* What frames are made from: the live scene with what the host has overridden, and the live tables. Changes
+ * only between two frames. */
+struct app_content {
+    bool has_scene;
+    struct scene scene;
+    uint32_t triangle_count; /* of all objects, finest levels */
+    struct scene_camera camera;
+    struct scene_output output;
+    struct scene_light lights[SCENE_MAX_LIGHTS];
+    uint8_t light_count;
+    struct scene_material materials[SCENE_MAX_MATERIALS];
+    struct lut_table tables[RASTER_MAX_SLOTS];
+    const struct lut_table *table_of_slot[RASTER_MAX_SLOTS]; /* NULL: empty */
+};
+
+/* The frame in flight. */
+struct app_frame {
+    bool active;
+    bool streamed; /* tiles go to USB, too */
+    bool recorded; /* its statistics will be kept */
+    bool refused;  /* the last frame for the display could not begin; wait for a change */
+    uint32_t next_tile;
+    struct raster raster;
+    struct raster_tile work;
+    struct usb_stats stats;
+};
+
+/* Everything the firmware knows; fields are internal. About 40 KB, place it in fast RAM. */
+struct app {
+    const struct hal *hal;
+    struct app_config config;
+    struct usb_device usb;
+    struct protocol protocol;
+    struct table_store store;
+    struct app_content content;
+    struct app_frame frame;
+    struct usb_stats stats; /* of the last complete frame */
+    uint32_t frames;        /* complete ones since app_init */
+};
+
+/* In: *hal and what *config points to stay owned by the caller and must outlive *app; *config is copied.
+ * Reads all live flash content once (CRC). APP_ERR_CONFIG: a field out of range; APP_ERR_FLASH: the flash is
+ * too small for the slots. */
+enum app_status app_init(struct app *app, const struct hal *hal, const struct app_config *config);
+
+/*
+ * One step: bus events, endpoint 0, packets in and out, at most one request, at most one tile. Call it for
+ * ever. With a display, frames follow each other; a FRAME request streams the next one. Without, only
+ * requested frames are rendered.
+ */
+void app_poll(struct app *app);
+
+/* For messages.c. Begins a frame; `streamed`: in answer to the request in hand. */
+enum raster_status app_frame_begin(struct app *app, bool streamed);
 
 #endif

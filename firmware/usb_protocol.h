@@ -1,9 +1,25 @@
 /*
- * Protocol version 1 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md, "Protocol").
+ * Protocol version 1 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md,
+ * "Protocol").
  *
- * The host sends requests: a 16-byte header and `length` payload bytes. The device answers each request with one
- * reply, in order: a 16-byte header and `length` payload bytes; FRAME is answered by one reply per tile and a last one with
- * USB_TILE_LAST set. Little-endian. A message may span packets; it ends by its length, not by a short packet.
+ * The host sends requests: a 16-byte header and `length` payload bytes. The device answers each request with
+ * one reply, in order: a 16-byte header and `length` payload bytes; FRAME is answered by one reply per tile
+ * and a last one with USB_TILE_LAST set (or by a single reply without payload when it is refused).
+ * Little-endian.
+ *
+ * Packets: requests form a byte stream (they may span packets and share them; zero-length packets are
+ * ignored). Each reply starts in a new packet and ends with a short one, zero-length when its bytes are a
+ * multiple of the packet size, so that a host's read of any multiple of the packet size ends with the reply.
+ *
+ * Order: one request is served at a time; further ones wait in the endpoint, also while a frame is streamed.
+ * What changes the picture (BEGIN, COMMIT, SELECT, SET, RESET), FRAME and STATS take effect between two
+ * frames; INFO, DATA and ABORT at once.
+ *
+ * Recovery: a header with wrong magic or version, or a length above USB_MAX_DRAIN, is answered, then the OUT
+ * endpoint stalls. Clearing the halt of the OUT endpoint drops a half-received request; clearing the halt of
+ * the IN endpoint drops pending replies and the frame being streamed; a host does both when it opens the
+ * device. SET_CONFIGURATION, SET_INTERFACE and a bus reset do the same for both. None of these touches an
+ * upload: INFO tells how far it got and DATA goes on from there.
  */
 #ifndef FIRMWARE_USB_PROTOCOL_H
 #define FIRMWARE_USB_PROTOCOL_H
@@ -13,32 +29,35 @@
 #define USB_PROTOCOL_VERSION 1u
 #define USB_PROTOCOL_MAGIC   0x5447u /* "GT" */
 
-#define USB_VENDOR_ID        0x1209u /* pid.codes test id: for development only, not for shipping */
-#define USB_PRODUCT_ID       0x0001u
-#define USB_ENDPOINT_OUT     0x01u
-#define USB_ENDPOINT_IN      0x81u
-#define USB_INTERFACE_CLASS  0xffu
+#define USB_VENDOR_ID       0x1209u /* pid.codes test id: for development only, not for shipping */
+#define USB_PRODUCT_ID      0x0001u
+#define USB_ENDPOINT_OUT    0x01u
+#define USB_ENDPOINT_IN     0x81u
+#define USB_INTERFACE_CLASS 0xffu
 
 enum usb_message {
     USB_MSG_INFO = 1, /* -> usb_info */
     USB_MSG_BEGIN,    /* usb_begin -> nothing; opens an upload to a slot's spare bank */
-    USB_MSG_DATA,     /* usb_data + bytes -> nothing; offsets ascend without gap */
-    USB_MSG_COMMIT,   /* -> nothing; checks length, CRC-32 and content, then makes the upload live */
-    USB_MSG_ABORT,    /* -> nothing; drops the upload */
-    USB_MSG_SELECT,   /* usb_select -> nothing; material to table slot */
-    USB_MSG_SET,      /* usb_set + value -> nothing */
-    USB_MSG_FRAME,    /* usb_frame -> tiles */
-    USB_MSG_STATS,    /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
-    USB_MSG_RESET,    /* -> nothing; forgets select and set, drops an upload; flash stays */
+    USB_MSG_DATA,     /* usb_data + 1..USB_MAX_DATA bytes -> nothing, detail = bytes received; offsets ascend
+                         without gap */
+    USB_MSG_COMMIT, /* -> nothing; checks length, CRC-32 and content, then makes the upload live; a new scene
+                       forgets select and set; an upload that fails the CRC or content check is dropped */
+    USB_MSG_ABORT,  /* -> nothing; drops the upload */
+    USB_MSG_SELECT, /* usb_select -> nothing; material to table slot */
+    USB_MSG_SET,    /* usb_set + value -> nothing */
+    USB_MSG_FRAME,  /* -> one reply per tile: usb_tile + pixels, row-major tiles; then one with USB_TILE_LAST
+                     */
+    USB_MSG_STATS,  /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
+    USB_MSG_RESET,  /* -> nothing; forgets select and set, drops an upload; flash stays */
 };
 
 enum usb_status {
     USB_OK = 0,
-    USB_ERR_MAGIC,      /* header malformed: the device stalls the OUT endpoint after this reply */
-    USB_ERR_VERSION,    /* protocol version not served */
+    USB_ERR_MAGIC,      /* not a header: the OUT endpoint stalls after this reply, whose sequence is 0 */
+    USB_ERR_VERSION,    /* protocol version not served: detail = the one that is; the OUT endpoint stalls */
     USB_ERR_TYPE,       /* unknown message */
-    USB_ERR_LENGTH,     /* payload length does not fit the message */
-    USB_ERR_STATE,      /* data/commit without begin, frame without scene */
+    USB_ERR_LENGTH,     /* payload length does not fit the message: detail = the largest that would */
+    USB_ERR_STATE,      /* data/commit without begin; select/set/frame without scene */
     USB_ERR_SLOT,       /* no such slot */
     USB_ERR_TOO_LARGE,  /* upload longer than the slot's bank: detail = bank bytes */
     USB_ERR_OFFSET,     /* data not at the expected offset: detail = expected offset */
@@ -47,18 +66,17 @@ enum usb_status {
     USB_ERR_CONTENT,    /* table or scene refused: detail = enum lut_status or enum scene_status */
     USB_ERR_FLASH,      /* erase or program failed */
     USB_ERR_FORBIDDEN,  /* the board forbids writing */
-    USB_ERR_VALUE,      /* set/select value out of range */
+    USB_ERR_VALUE,      /* begin/set/select value out of range */
     USB_ERR_RENDER,     /* frame refused: detail = enum raster_status */
     USB_ERR_TABLE,      /* frame refused: a measured material's slot is empty: detail = material index */
     USB_ERR_MEMORY,     /* frame refused: arena too small: detail = bytes needed */
-    USB_ERR_BUSY,       /* a frame is being streamed */
     USB_STATUS_COUNT
 };
 
-struct usb_header { /* both directions */
-    uint16_t magic;  /* USB_PROTOCOL_MAGIC */
-    uint8_t version; /* USB_PROTOCOL_VERSION */
-    uint8_t type;    /* enum usb_message; replies set bit 7 */
+struct usb_header {    /* both directions */
+    uint16_t magic;    /* USB_PROTOCOL_MAGIC */
+    uint8_t version;   /* USB_PROTOCOL_VERSION */
+    uint8_t type;      /* enum usb_message; replies set bit 7 */
     uint16_t sequence; /* chosen by the host, returned in the reply */
     uint16_t status;   /* 0 in requests; enum usb_status in replies */
     uint32_t length;   /* payload bytes that follow */
@@ -67,6 +85,7 @@ struct usb_header { /* both directions */
 
 enum usb_slot_kind { USB_SLOT_EMPTY = 0, USB_SLOT_TABLE = 1, USB_SLOT_SCENE = 2 };
 
+#define USB_NO_UPLOAD 0xffffffffu
 #define USB_MAX_SLOTS 17u /* slot 0 is the scene's, 1..16 are table slots 0..15 of the scene's materials */
 
 struct usb_slot_info {
@@ -87,6 +106,10 @@ struct usb_info {
     uint16_t light_count;
     uint32_t triangle_count; /* of the live scene, finest levels */
     uint32_t arena_bytes;
+    uint32_t upload_slot;                      /* of the open upload, or USB_NO_UPLOAD and the next three 0 */
+    uint32_t upload_length;                    /* as BEGIN said */
+    uint32_t upload_crc;                       /* as BEGIN said */
+    uint32_t upload_received;                  /* next offset expected */
     struct usb_slot_info slots[USB_MAX_SLOTS]; /* slot_count are meaningful */
 };
 
@@ -97,7 +120,9 @@ struct usb_begin {
     uint32_t crc;    /* CRC-32 (IEEE 802.3) over them */
 };
 
-#define USB_MAX_DATA 4096u /* bytes after usb_data in one message; a multiple of 4 except in the upload's last message */
+#define USB_MAX_DATA    4096u               /* bytes after usb_data in one message */
+#define USB_MAX_PAYLOAD (4u + USB_MAX_DATA) /* of any request */
+#define USB_MAX_DRAIN   65536u /* a wrong length up to this is read and dropped; above, OUT stalls */
 
 struct usb_data {
     uint32_t offset;
@@ -110,9 +135,9 @@ struct usb_select {
 
 enum usb_setting {
     USB_SET_CAMERA = 1, /* struct scene_camera */
-    USB_SET_LIGHT,      /* index (uint32_t) + struct scene_light; index = count adds one, up to SCENE_MAX_LIGHTS */
-    USB_SET_OUTPUT,     /* struct scene_output */
-    USB_SET_MODEL       /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
+    USB_SET_LIGHT, /* index (uint32_t) + struct scene_light; index = count adds one, up to SCENE_MAX_LIGHTS */
+    USB_SET_OUTPUT, /* struct scene_output */
+    USB_SET_MODEL /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
 };
 
 struct usb_set {
@@ -133,11 +158,11 @@ struct usb_tile_stats {
     uint32_t triangles, tested, covered, shaded, fetches, ticks;
 };
 
-struct usb_stats { /* of the last complete frame; totals over its tiles */
+struct usb_stats {       /* of the last complete frame; totals over its tiles */
     uint32_t frames;     /* since power-up */
-    uint32_t tile_count; /* usb_tile_stats follow when wanted, row-major */
+    uint32_t tile_count; /* usb_tile_stats follow when wanted and kept (the length tells), row-major */
     uint32_t ticks_are_modelled; /* 1: from counts; 0: hal.clock */
-    uint32_t begin_ticks; /* culling and binning */
+    uint32_t begin_ticks;        /* culling and binning */
     uint32_t meshlets_visible;
     uint32_t arena_used;
     struct usb_tile_stats total;
@@ -145,7 +170,7 @@ struct usb_stats { /* of the last complete frame; totals over its tiles */
 
 _Static_assert(sizeof(struct usb_header) == 16, "layout");
 _Static_assert(sizeof(struct usb_slot_info) == 16, "layout");
-_Static_assert(sizeof(struct usb_info) == 44 + 16 * USB_MAX_SLOTS, "layout");
+_Static_assert(sizeof(struct usb_info) == 60 + 16 * USB_MAX_SLOTS, "layout");
 _Static_assert(sizeof(struct usb_tile) == 12, "layout");
 _Static_assert(sizeof(struct usb_tile_stats) == 24, "layout");
 _Static_assert(sizeof(struct usb_stats) == 48, "layout");

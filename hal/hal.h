@@ -1,9 +1,9 @@
 /*
  * The contract between the firmware and a board: one struct of functions with a context pointer.
  *
- * A board fills a struct hal and hands it to app_init. All functions are called from app_poll's thread only, never
- * from an interrupt; none may block for longer than a few microseconds unless stated. They are called per tile or
- * per packet, never per pixel.
+ * A board fills a struct hal and hands it to app_init. All functions are called from app_poll's thread only,
+ * never from an interrupt; none may block for longer than a few microseconds unless stated. They are called
+ * per tile or per packet, never per pixel.
  */
 #ifndef HAL_HAL_H
 #define HAL_HAL_H
@@ -22,7 +22,8 @@ enum hal_result {
 
 enum hal_usb_event {
     HAL_USB_NONE = 0,
-    HAL_USB_RESET,  /* bus reset or (re)plug: device goes to the default state, endpoint queues are empty */
+    HAL_USB_RESET,  /* bus reset or (re)plug: device goes to the default state, endpoint queues are empty, no
+                       stalls */
     HAL_USB_DETACH, /* cable out */
     HAL_USB_SETUP   /* a SETUP packet arrived: the 8 bytes are in `setup` */
 };
@@ -30,42 +31,49 @@ enum hal_usb_event {
 struct hal {
     void *ctx; /* passed to every function */
 
-    /* Free-running counter of cycles or instructions, wraps at 2^32. NULL: the firmware reports a cost modelled from
-     * its own counts, which repeats exactly. */
+    /* Free-running counter of cycles or instructions, wraps at 2^32. NULL: the firmware reports a cost
+     * modelled from its own counts, which repeats exactly. */
     uint32_t (*clock)(void *ctx);
 
-    /* A finished tile: w*h pixels, rows without padding, in the format of app_config. NULL: no display. The pixels may be
-     * overwritten when the call returns. Returns HAL_OK or HAL_ERROR (ignored by the renderer, counted). */
+    /* A finished tile: w*h pixels, rows without padding, in the format of app_config. NULL: no display. The
+     * pixels may be overwritten when the call returns. Returns HAL_OK or HAL_ERROR (ignored by the renderer,
+     * counted). */
     int (*display_write)(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t h, const void *pixels);
 
-    /* --- USB device controller. Endpoint numbers carry the direction in bit 7 (0x80 = IN, device to host). --- */
+    /* --- USB device controller. Endpoint numbers carry the direction in bit 7 (0x80 = IN, device to host).
+     * --- */
 
     /* Takes the next bus event. For HAL_USB_SETUP fills setup[8]. Never blocks. */
     enum hal_usb_event (*usb_event)(void *ctx, uint8_t setup[8]);
 
-    /* Takes one received OUT packet of `endpoint` (0 or 1): copies at most `max` bytes, returns its length (0 for a zero-length packet), or
-     * HAL_AGAIN. The controller accepts further packets as room appears; at least 4 KB are buffered. */
+    /* Takes one received OUT packet of `endpoint` (0 or 1): copies at most `max` bytes, returns its length (0
+     * for a zero-length packet), or HAL_AGAIN. The controller accepts further packets as room appears; at
+     * least 4 KB are buffered. */
     int (*usb_read)(void *ctx, uint8_t endpoint, void *data, size_t max);
 
-    /* Queues one IN packet of `bytes` <= the endpoint's packet size (0 = zero-length) on `endpoint` (0x80 or 0x81): HAL_OK, or
-     * HAL_AGAIN when its buffer is still full. */
+    /* Queues one IN packet of `bytes` <= the endpoint's packet size (0 = zero-length) on `endpoint` (0x80 or
+     * 0x81): HAL_OK, or HAL_AGAIN when its buffer is still full. */
     int (*usb_write)(void *ctx, uint8_t endpoint, const void *data, size_t bytes);
 
-    /* Sets or clears STALL on an endpoint. A stall of endpoint 0 clears itself with the next SETUP. Clearing also empties the
-     * endpoint's queue and resets its data toggle. */
+    /* Sets or clears STALL on an endpoint (0x00 stands for both directions of endpoint 0). A stall of
+     * endpoint 0 clears itself with the next SETUP. Clearing also empties the endpoint's queue and resets its
+     * data toggle; the first clearing after a bus reset, at SET_CONFIGURATION, opens the endpoint. */
     void (*usb_stall)(void *ctx, uint8_t endpoint, bool stalled);
 
-    /* The address from SET_ADDRESS takes effect after the status stage. */
+    /* The address of a SET_ADDRESS whose status packet has just been queued: the controller changes over once
+     * that packet has been acknowledged. */
     void (*usb_set_address)(void *ctx, uint8_t address);
 
     bool usb_high_speed; /* 512-byte bulk packets instead of 64 */
 
-    /* --- Flash for tables and scene: memory-mapped for reading, erased to 0xff in blocks, bits program from 1 to 0. --- */
+    /* --- Flash for tables and scene: memory-mapped for reading, erased to 0xff in blocks, bits program from
+     * 1 to 0. --- */
     const uint8_t *flash;       /* 4-aligned */
     uint32_t flash_bytes;       /* a multiple of flash_block_bytes */
     uint32_t flash_block_bytes; /* erase unit, a power of two, 256 or more */
 
-    /* Erases one block at a block-aligned offset. May take milliseconds. HAL_OK, HAL_ERROR or HAL_FORBIDDEN. */
+    /* Erases one block at a block-aligned offset. May take milliseconds. HAL_OK, HAL_ERROR or HAL_FORBIDDEN.
+     */
     int (*flash_erase)(void *ctx, uint32_t offset);
 
     /* Programs `bytes` at `offset`, both multiples of 4; only erased words may be programmed, once. */
