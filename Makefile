@@ -88,9 +88,8 @@ bench-built: all demo-data $(BENCH_C:tests/%.c=$(B)/%)
 size: deps-bench ## print code size per module and target
 	@B=$(B) tests/bench/size.sh
 
-lint: ## include rules, mutable data, format, documents
-	$(AGAIN) $(B)/libgoniotile.a
-	@B=$(B) CC=$(CC) tests/lint.sh
+lint: ## include rules, format, documents
+	@CC=$(CC) tests/lint.sh
 
 format: ## rewrite every C file in the project's style
 	clang-format-14 -i $$(git ls-files -co --exclude-standard '*.c' '*.h' '*.cc')
@@ -134,6 +133,7 @@ $(eval $(call LIBRARIES,$(B)/san))
 LIBS     := $(B)/libhost.a $(B)/libsim.a $(B)/libgoniotile.a
 LIBS_SAN := $(LIBS:$(B)/%=$(B)/san/%)
 %.a:
+	@mkdir -p $(@D)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
@@ -178,9 +178,11 @@ $(B)/bench/%: $(B)/host/tests/bench/%.o $(LIBS)
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
 install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rules
-	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
+	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/goniotile \
+	    $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
 	install $(TOOLS:%=$(B)/%) $(BIN)
-	install -m 644 $(B)/goniotile_oiio.so $(B)/libgoniotile.a $(DESTDIR)$(PREFIX)/lib
+	install -m 644 $(B)/libgoniotile.a $(DESTDIR)$(PREFIX)/lib
+	install -m 644 $(B)/goniotile_oiio.so $(DESTDIR)$(PREFIX)/lib/goniotile
 	install -m 644 $(wildcard lut/*.h raster/*.h firmware/*.h) hal/hal.h $(INC)
 	install -m 644 host_tools/70-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
 	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# The freestanding folders compile for every target with nothing but the compiler's own headers, link together, and ask
+# the run-time library for no more than design allows. TAP on stdout.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+. tests/targets.sh
+work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
+n=0
+
+# Prints one TAP line; problems is empty when the claim holds.
+claim() { # claim problems
+    n=$((n + 1))
+    if [ -z "$2" ]; then
+        echo "ok $n - $1"
+    else
+        echo "not ok $n - $1"
+        head -30 <<<"$2" | sed 's/^/# /'
+    fi
+}
+
+echo "1..$(($(wc -w <<<"$TARGETS") * 3 + 2))"
+for t in $TARGETS; do
+    out=$work/$t problems=
+    for folder in lut raster firmware; do
+        files=$(ls $folder/*.c 2>&1) && problems+=$(target_compile "$t" "$out" "" $files 2>&1) ||
+            problems+="$folder does not compile for $t"$'\n'
+    done
+    claim "every_file_compiles_for_$t" "$problems"
+    problems=$(target_link "$t" "$out/all.o" "$out"/*.o 2>&1) && [ -e "$out/all.o" ] || problems+=" not linked"
+    claim "the_three_folders_link_together_for_$t" "$problems"
+    if [ -e "$out/all.o" ]; then
+        problems=$($(target_nm "$t") -u "$out/all.o" | awk '{ print $NF }' | grep -vxE "$(target_allowed "$t")")
+    fi
+    claim "undefined_symbols_are_on_the_list_for_$t" "$problems"
+done
+# The sections of variables: d, b and c, and their small-data forms. Not asked of x86-64, where position-independent code
+# files constant tables of pointers under relocated data.
+claim objects_hold_no_mutable_data "$(arm-none-eabi-nm -A "$work"/cortex-m7/*.o | sed "s|$work/||" | grep -E ' [dDbBcCsSgG] ')"
+problems=$(target_compile cortex-m7 "$work/graph" -fcallgraph-info=su lut/*.c raster/*.c firmware/*.c 2>&1 &&
+    awk -f tests/bench/stack.awk "$work"/graph/*.ci)
+claim "no_function_recurses_or_sizes_its_stack_at_run_time" "$problems"

@@ -1,0 +1,56 @@
+# The instruction sets the freestanding folders must compile for; sourced by cross.sh and the benchmarks.
+# Debian packages: gcc-arm-none-eabi, gcc-riscv64-unknown-elf, clang-14.
+
+TARGETS="cortex-m0 cortex-m3 cortex-m4 cortex-m7 cortex-m33 rv32imac x86-64"
+
+# Compiler and machine options of a target. x86-64 is clang's turn, held to the integer registers: a float that slipped
+# in would not compile.
+target_cc() {
+    case $1 in
+    cortex-*) echo "arm-none-eabi-gcc -mcpu=$1 -mthumb" ;;
+    rv32imac) echo "riscv64-unknown-elf-gcc -march=rv32imac -mabi=ilp32" ;;
+    x86-64) echo "clang-14 --target=x86_64-linux-gnu -mgeneral-regs-only" ;;
+    esac
+}
+
+target_nm() {
+    case $1 in
+    cortex-*) echo arm-none-eabi-nm ;;
+    rv32imac) echo riscv64-unknown-elf-nm ;;
+    x86-64) echo nm ;;
+    esac
+}
+
+# Extended regular expression of the undefined symbols a target may leave to its run-time library.
+target_allowed() {
+    local memory='mem(cpy|set|move|cmp)'
+    case $1 in
+    cortex-m0) echo "$memory|__aeabi_mem(cpy|set|clr|move)[48]?|__aeabi_(lmul|uidiv|idiv|uidivmod|idivmod|llsl|llsr|lasr)|__clzsi2|__gnu_thumb1_case_[a-z]+" ;;
+    cortex-*) echo "$memory|__aeabi_mem(cpy|set|clr|move)[48]?" ;;
+    rv32imac) echo "$memory|__clzsi2|__(ashl|ashr|lshr)di3" ;;
+    *) echo "$memory" ;;
+    esac
+}
+
+# Compiles files for a target as freestanding code: one object per file in out_dir, warnings are errors, no -D.
+target_compile() { # target out_dir extra_options file...
+    local target=$1 out=$2 extra=$3 cc f
+    shift 3
+    cc=$(target_cc "$target")
+    mkdir -p "$out" || return 1
+    for f in "$@"; do
+        $cc -std=c11 -O2 $extra -ffreestanding -nostdinc -isystem "$($cc -print-file-name=include)" \
+            -I. -Ilut -Iraster -Ifirmware -Ihal -Wall -Wextra -Werror -c "$f" -o "$out/$(tr / _ <<<"${f%.c}").o" || return 1
+    done
+}
+
+# Links objects into one relocatable object: duplicate symbols show, what stays undefined is asked of the run time.
+target_link() { # target output object...
+    local target=$1 output=$2
+    shift 2
+    if [ "$target" = x86-64 ]; then
+        ld -r -o "$output" "$@"
+    else
+        $(target_cc "$target") -r -nostdlib -o "$output" "$@"
+    fi
+}
