@@ -184,7 +184,7 @@ install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rule
 	install -m 644 $(B)/libgoniotile.a $(DESTDIR)$(PREFIX)/lib
 	install -m 644 $(B)/goniotile_oiio.so $(DESTDIR)$(PREFIX)/lib/goniotile
 	install -m 644 $(wildcard lut/*.h raster/*.h firmware/*.h) hal/hal.h $(INC)
-	install -m 644 host_tools/70-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
+	install -m 644 host_tools/60-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
 	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile
 
 clean: ## remove everything built

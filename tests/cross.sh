@@ -29,7 +29,7 @@ for t in $TARGETS; do
     problems=$(target_link "$t" "$out/all.o" "$out"/*.o 2>&1) && [ -e "$out/all.o" ] || problems+=" not linked"
     claim "the_three_folders_link_together_for_$t" "$problems"
     if [ -e "$out/all.o" ]; then
-        problems=$($(target_nm "$t") -u "$out/all.o" | awk '{ print $NF }' | grep -vxE "$(target_allowed "$t")")
+        problems=$("$(target_binutils "$t")nm" -u "$out/all.o" | awk '{ print $NF }' | grep -vxE "$(target_allowed "$t")")
     fi
     claim "undefined_symbols_are_on_the_list_for_$t" "$problems"
 done

@@ -13,11 +13,11 @@ target_cc() {
     esac
 }
 
-target_nm() {
+# Prefix of a target's nm and size.
+target_binutils() {
     case $1 in
-    cortex-*) echo arm-none-eabi-nm ;;
-    rv32imac) echo riscv64-unknown-elf-nm ;;
-    x86-64) echo nm ;;
+    cortex-*) echo arm-none-eabi- ;;
+    rv32imac) echo riscv64-unknown-elf- ;;
     esac
 }
 
@@ -42,6 +42,11 @@ target_compile() { # target out_dir extra_options file...
         $cc -std=c11 -O2 $extra -ffreestanding -nostdinc -isystem "$($cc -print-file-name=include)" \
             -I. -Ilut -Iraster -Ifirmware -Ihal -Wall -Wextra -Werror -c "$f" -o "$out/$(tr / _ <<<"${f%.c}").o" || return 1
     done
+}
+
+# Code and constant data of an object file, in bytes.
+target_text_bytes() { # target object
+    "$(target_binutils "$1")size" "$2" | awk 'NR == 2 { print $1 }'
 }
 
 # Links objects into one relocatable object: duplicate symbols show, what stays undefined is asked of the run time.
