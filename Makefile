@@ -9,10 +9,11 @@ WARN    := -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wstrict-pro
 CORE_INC:= -I. -Ilut -Iraster -Ifirmware -Ihal
 # The freestanding folders are compiled with nothing but the compiler's own headers.
 CORE     = -std=c11 $(OPT) -g $(WARN) -MMD -MP -ffreestanding -nostdinc -isystem $(CC_INCLUDE) $(CORE_INC)
-HOST     = -std=c11 $(OPT) -g $(WARN) -MMD -MP $(CORE_INC) -Ihal/sim -Ihost_tools
+# Hosted code may use what POSIX adds.
+HOST     = -std=gnu11 $(OPT) -g $(WARN) -MMD -MP $(CORE_INC) -Ihal/sim -Ihost_tools
 TEST     = $(HOST) -Itests/reference
 # The reference renderer sees no header of the product.
-REF      = -std=c11 $(OPT) -g $(WARN) -MMD -MP -Itests/reference
+REF      = -std=gnu11 $(OPT) -g $(WARN) -MMD -MP -Itests/reference
 SAN     ?= -fsanitize=address,undefined -fno-sanitize-recover=all
 
 CORE_C  := $(wildcard lut/*.c raster/*.c firmware/*.c)
