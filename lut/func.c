@@ -65,7 +65,8 @@ uint32_t lut_angle_from_sin2_half(uint32_t s2)
 
 uint32_t lut_turn(int32_t y, int32_t x)
 {
-    uint32_t ax = (uint32_t)(x < 0 ? -x : x), ay = (uint32_t)(y < 0 ? -y : y);
+    uint32_t ax = x < 0 ? 0u - (uint32_t)x : (uint32_t)x;
+    uint32_t ay = y < 0 ? 0u - (uint32_t)y : (uint32_t)y; /* at most 2^31 */
     uint32_t small = ax < ay ? ax : ay, large = ax < ay ? ay : ax;
     if (large == 0) {
         return 0;

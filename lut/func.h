@@ -31,7 +31,7 @@ uint32_t lut_exp2_neg(uint32_t y);
  * Error <= 5e-6 of the angle (0.0005 degrees at 90) plus one unit. */
 uint32_t lut_angle_from_sin2_half(uint32_t s2);
 
-/* Azimuth of (x, y): atan2(y, x) mapped to a full turn. In: any int32 except INT32_MIN. Out: [0, 2^28), a full
+/* Azimuth of (x, y): atan2(y, x) mapped to a full turn. In: any. Out: [0, 2^28), a full
  * turn = 2^28; (0,0) gives 0. Error <= 0.001 degrees; exact on the axes. */
 uint32_t lut_turn(int32_t y, int32_t x);
 
