@@ -26,10 +26,10 @@ for t in $TARGETS; do
             problems+="$folder does not compile for $t"$'\n'
     done
     claim "every_file_compiles_for_$t" "$problems"
-    problems=$(target_link "$t" "$out/all.o" "$out"/*.o 2>&1) && [ -e "$out/all.o" ] || problems+=" not linked"
+    problems=$(target_link "$t" "$work/$t.o" "$out"/*.o 2>&1) && [ -e "$work/$t.o" ] || problems+=" not linked"
     claim "the_three_folders_link_together_for_$t" "$problems"
-    if [ -e "$out/all.o" ]; then
-        problems=$("$(target_binutils "$t")nm" -u "$out/all.o" | awk '{ print $NF }' | grep -vxE "$(target_allowed "$t")")
+    if [ -e "$work/$t.o" ]; then
+        problems=$("$(target_binutils "$t")nm" -u "$work/$t.o" | awk '{ print $NF }' | grep -vxE "$(target_allowed "$t")")
     fi
     claim "undefined_symbols_are_on_the_list_for_$t" "$problems"
 done

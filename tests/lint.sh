@@ -52,7 +52,7 @@ sources() { # folder name_regex
 }
 
 free='<(stdint|stddef|stdbool)\.h>'
-any='<[a-z0-9_/.+-]+>'
+any='<[A-Za-z0-9_/.+-]+>'
 free_files=$(sources lut; sources raster; sources firmware)
 gtsim_files=$(sources host_tools '/gtsim[^/]*$')
 tool_files=$(sources host_tools | grep -v /gtsim)
@@ -64,7 +64,11 @@ claim lut_includes_nothing_else "$(include_problems "$free|lut/.*" $(sources lut
 claim raster_includes_lut_only "$(include_problems "$free|(lut|raster)/.*" $(sources raster))"
 claim firmware_includes_lut_raster_and_hal_h "$(include_problems "$free|(lut|raster|firmware)/.*|hal/hal\.h" $(sources firmware))"
 claim hal_h_includes_nothing_else "$(include_problems "$free" $(sources hal))"
-claim sim_includes_hal_h_and_libc "$(include_problems "$any|hal/hal\.h|hal/sim/.*" $(sources hal/sim))"
+# sim_device is the simulated board's main: firmware on a board, as a library, since many live in one process.
+claim sim_includes_hal_h_and_libc_and_its_main_app_h "$(
+    include_problems "$any|hal/hal\.h|hal/sim/sim(_internal)?\.h" $(sources hal/sim | grep -v /sim_device)
+    include_problems "$any|hal/hal\.h|hal/sim/.*|firmware/(app|usb_protocol)\.h" $(sources hal/sim /sim_device)
+)"
 claim boards_include_hal_h_and_main_app_h "$(for f in $board_files; do
     own=$(dirname "$f")/.*
     case $f in */main.c) own="$own|firmware/app\.h" ;; esac
