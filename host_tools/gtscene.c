@@ -1,0 +1,109 @@
+/* gtscene: meshes and a scene description become the scene blob that the device renders. */
+#include "common.h"
+#include "goniotile_version.h"
+#include "gtscene_blob.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char usage[] = "usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER]\n"
+                            "       gtscene info SCENE.blob\n"
+                            "       gtscene --help | --version\n";
+
+static void print_build_help(void)
+{
+    printf("usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER]\n"
+           "Builds the scene blob: meshes become small meshlets with quantised positions and normals.\n"
+           "  -o, --output FILE   the blob; - is standard output\n"
+           "      --data FOLDER   where mesh files are that do not lie relative to the scene file\n"
+           "      --help          this text\n"
+           "Mesh files: .obj .ply .gltf .glb. Built-in shapes and their parameters (default; range):\n");
+    for (const struct shape *s = shapes; s->name; s++) {
+        printf("  %-13s %s\n", s->name, s->what);
+        for (int i = 0; i < SHAPE_MAX_PARAMETERS && s->parameters[i].name; i++) {
+            const struct shape_parameter *p = &s->parameters[i];
+            printf("      %-9s %g; %g to %g%s\n", p->name, p->value, p->lo, p->hi, p->whole ? ", whole" : "");
+        }
+    }
+}
+
+static int run_build(int argc, char **argv)
+{
+    static const struct option options[] = {{"output", required_argument, NULL, 'o'},
+                                            {"data", required_argument, NULL, 'd'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {NULL, 0, NULL, 0}};
+    const char *output = NULL, *data = NULL;
+    for (int c; (c = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
+        if (c == 'h') {
+            print_build_help();
+            return EXIT_OK;
+        }
+        if (c == 'o')
+            output = optarg;
+        else if (c == 'd')
+            data = optarg;
+        else
+            return EXIT_USAGE;
+    }
+    if (optind != argc - 1)
+        die(EXIT_USAGE, "%d scene files given, 1 wanted; see gtscene build --help", argc - optind);
+    if (!output)
+        die(EXIT_USAGE, "no output file; give one with -o");
+    struct scene_desc desc;
+    size_t bytes;
+    desc_load(&desc, argv[optind], data);
+    void *blob = blob_build(&bytes, &desc);
+    write_file(output, blob, bytes);
+    free(blob);
+    return EXIT_OK;
+}
+
+static int run_info(int argc, char **argv)
+{
+    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+        if (c != 'h')
+            return EXIT_USAGE;
+        printf("usage: gtscene info SCENE.blob\n"
+               "Checks a scene blob as the device does and prints what it holds.\n");
+        return EXIT_OK;
+    }
+    if (optind != argc - 1)
+        die(EXIT_USAGE, "%d scene blobs given, 1 wanted; see gtscene info --help", argc - optind);
+    size_t bytes;
+    struct scene s;
+    void *blob = read_file(argv[optind], SCENE_MAX_BYTES, &bytes);
+    enum scene_status status = scene_open(&s, blob, bytes);
+    if (status != SCENE_OK)
+        die(EXIT_BAD_INPUT, "%s: %s (%zu bytes); build it again", argv[optind], scene_status_text(status), bytes);
+    blob_print(&s);
+    free(blob);
+    return EXIT_OK;
+}
+
+int main(int argc, char **argv)
+{
+    const char *command = argc > 1 ? argv[1] : "";
+    common_set_name("gtscene", NULL);
+    if (!strcmp(command, "--help") || !strcmp(command, "-h")) {
+        printf("%sMakes scene blobs; `gtscene COMMAND --help` tells more.\n", usage);
+        return EXIT_OK;
+    }
+    if (!strcmp(command, "--version")) {
+        printf("gtscene " GONIOTILE_VERSION "\n");
+        return EXIT_OK;
+    }
+    common_set_name("gtscene", command);
+    if (!strcmp(command, "build"))
+        return run_build(argc - 1, argv + 1);
+    if (!strcmp(command, "info"))
+        return run_info(argc - 1, argv + 1);
+    fputs(usage, stderr);
+    common_set_name("gtscene", NULL);
+    if (*command)
+        die(EXIT_USAGE, "'%s' is not a command; give build or info", command);
+    return EXIT_USAGE;
+}

@@ -1,0 +1,324 @@
+#include "gtscene_meshlets.h"
+
+#include "common.h"
+
+#include <math.h>
+#include <meshoptimizer.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Measured on Cortex-M: small meshlets with this cone weight cull best. */
+#define MAX_VERTICES  24
+#define MAX_TRIANGLES 32
+#define CONE_WEIGHT   0.5f
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(double out[3], const double a[3], const double b[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* False, and v untouched, when v is too short to have a direction. */
+static bool normalise(double v[3])
+{
+    double length = sqrt(dot(v, v));
+    if (!(length > 1e-9))
+        return false;
+    for (int k = 0; k < 3; k++)
+        v[k] /= length;
+    return true;
+}
+
+/* Replaces positions by their quantised values, still as floats (exact: |q| <= 32767). */
+static void quantise(struct packed_mesh *out, struct mesh *m, const char *name)
+{
+    double lo[3], hi[3], half = 0;
+    for (int k = 0; k < 3; k++) {
+        lo[k] = hi[k] = m->vertices[0].position[k];
+        for (size_t i = 1; i < m->vertex_count; i++) {
+            lo[k] = fmin(lo[k], m->vertices[i].position[k]);
+            hi[k] = fmax(hi[k], m->vertices[i].position[k]);
+        }
+        out->center[k] = (lo[k] + hi[k]) / 2;
+        half = fmax(half, (hi[k] - lo[k]) / 2);
+    }
+    if (!(half > 1e-9) || half > 1e9)
+        die(EXIT_BAD_INPUT, "%s: the mesh is %g across; give one from 1e-9 to 1e9 units", name, 2 * half);
+    out->scale = half / 32767;
+    for (size_t i = 0; i < m->vertex_count; i++)
+        for (int k = 0; k < 3; k++) {
+            float *p = &m->vertices[i].position[k], *n = &m->vertices[i].normal[k];
+            *p = (float)fmin(32767, fmax(-32767, nearbyint((*p - out->center[k]) / out->scale))) + 0.0f;
+            *n += 0.0f; /* -0 to 0, so that equal vertices are equal bytes */
+        }
+}
+
+static void weld(struct mesh *m)
+{
+    unsigned *remap = xmalloc(m->vertex_count * sizeof *remap);
+    size_t count = meshopt_generateVertexRemap(remap, m->indices, m->index_count, m->vertices, m->vertex_count,
+                                               sizeof *m->vertices);
+    meshopt_remapIndexBuffer(m->indices, m->indices, m->index_count, remap);
+    meshopt_remapVertexBuffer(m->vertices, m->vertices, m->vertex_count, sizeof *m->vertices, remap);
+    m->vertex_count = count;
+    free(remap);
+}
+
+/* Geometric normal of a triangle of quantised positions, twice its area long; exact: |components| < 2^35. */
+static void triangle_normal(double out[3], const struct mesh *m, const unsigned t[3])
+{
+    const float *p[3];
+    double e[2][3];
+    for (int c = 0; c < 3; c++)
+        p[c] = m->vertices[t[c]].position;
+    for (int k = 0; k < 3; k++) {
+        e[0][k] = (double)p[1][k] - p[0][k];
+        e[1][k] = (double)p[2][k] - p[0][k];
+    }
+    cross(out, e[0], e[1]);
+}
+
+static void drop_degenerate(struct mesh *m)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < m->index_count; i += 3) {
+        double n[3];
+        triangle_normal(n, m, &m->indices[i]);
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0)
+            continue;
+        memmove(&m->indices[kept], &m->indices[i], 3 * sizeof *m->indices);
+        kept += 3;
+    }
+    m->index_count = kept;
+}
+
+/* The triangles of one meshlet being made, by index into the mesh. */
+struct cluster {
+    unsigned triangles[MAX_TRIANGLES][3];
+    unsigned count;
+};
+
+/* The mesh's vertices that a cluster uses, in order of first use; returns their number and, per corner, which. */
+static unsigned cluster_vertices(unsigned vertices[3 * MAX_TRIANGLES], uint8_t corners[MAX_TRIANGLES][3],
+                                 const struct cluster *c)
+{
+    unsigned count = 0;
+    for (unsigned i = 0; i < c->count; i++)
+        for (int k = 0; k < 3; k++) {
+            unsigned j = 0;
+            while (j < count && vertices[j] != c->triangles[i][k])
+                j++;
+            if (j == count)
+                vertices[count++] = c->triangles[i][k];
+            corners[i][k] = (uint8_t)j;
+        }
+    return count;
+}
+
+static void vertex_normal(double out[3], const struct mesh *m, unsigned vertex)
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = m->vertices[vertex].normal[k];
+}
+
+/* Cosine between z and the normal farthest from it. */
+static double worst_normal(unsigned *worst, const struct mesh *m, const unsigned *vertices, unsigned count,
+                           const double z[3])
+{
+    double least = 2;
+    for (unsigned i = 0; i < count; i++) {
+        double n[3];
+        vertex_normal(n, m, vertices[i]);
+        if (dot(n, z) < least) {
+            least = dot(n, z);
+            *worst = vertices[i];
+        }
+    }
+    return least;
+}
+
+/* The frame's z: the mean normal, or, where a normal is more than 85 degrees off, the middle of the smallest cone (by
+ * stepping towards the farthest normal, shorter each time). False when some normal stays 90 degrees off or more. */
+static bool choose_axis(double z[3], const struct mesh *m, const unsigned *vertices, unsigned count)
+{
+    const double cos_85 = 0.0871557427, margin = 1e-3; /* margin: the frame is rounded afterwards */
+    double n[3], best[3] = {0, 0, 1}, best_cosine = -2;
+    unsigned worst = 0;
+    memset(z, 0, 3 * sizeof *z);
+    for (unsigned i = 0; i < count; i++) {
+        vertex_normal(n, m, vertices[i]);
+        for (int k = 0; k < 3; k++)
+            z[k] += n[k];
+    }
+    for (unsigned step = 1; step <= 64; step++) {
+        if (!normalise(z))
+            vertex_normal(z, m, vertices[0]);
+        double cosine = worst_normal(&worst, m, vertices, count, z);
+        if (cosine > best_cosine) {
+            best_cosine = cosine;
+            memcpy(best, z, sizeof best);
+        }
+        if (cosine > cos_85)
+            break;
+        vertex_normal(n, m, worst);
+        for (int k = 0; k < 3; k++)
+            z[k] += (n[k] - z[k]) / (step + 1);
+    }
+    memcpy(z, best, sizeof best);
+    return best_cosine > margin;
+}
+
+/* Rows x, y, z in Q14; each entry within half a unit. */
+static void make_frame(int16_t frame[9], const double z[3])
+{
+    double rows[3][3], helper[3] = {0, 0, 0};
+    helper[fabs(z[0]) < 0.6 ? 0 : 1] = 1;
+    cross(rows[0], helper, z);
+    normalise(rows[0]);
+    cross(rows[1], z, rows[0]);
+    memcpy(rows[2], z, sizeof rows[2]);
+    for (int i = 0; i < 9; i++)
+        frame[i] = (int16_t)lrint(16384 * rows[i / 3][i % 3]);
+}
+
+/* Stereographic coordinates of a normal in the frame, Q14, u^2 + v^2 <= 1; a normal beyond 90 degrees becomes the
+ * nearest at 90. */
+static void encode_normal(int16_t uv[2], const int16_t frame[9], const double n[3])
+{
+    double local[3];
+    for (int i = 0; i < 3; i++)
+        local[i] = (frame[3 * i] * n[0] + frame[3 * i + 1] * n[1] + frame[3 * i + 2] * n[2]) / 16384;
+    double across = hypot(local[0], local[1]);
+    if (across == 0) { /* along z, either way */
+        uv[0] = uv[1] = 0;
+        return;
+    }
+    double radius = fmin(1, across / fmax(hypot(across, local[2]) + local[2], 1e-9)); /* tan of half the angle */
+    double u = 16384 * radius * local[0] / across, v = 16384 * radius * local[1] / across;
+    uv[0] = (int16_t)lrint(u);
+    uv[1] = (int16_t)lrint(v);
+    if (uv[0] * uv[0] + uv[1] * uv[1] > 1 << 28) { /* rounded out of the disc: round inwards */
+        uv[0] = (int16_t)trunc(u);
+        uv[1] = (int16_t)trunc(v);
+    }
+}
+
+/* sin of the widest angle between a triangle's geometric normal and the frame's z, Q14, rounded up. The rounded z is
+ * up to 2^-14 longer than 1, which a test against it must make good for; one unit more covers the arithmetic here. */
+static int16_t cone_cutoff(const struct mesh *m, const struct cluster *c, const int16_t frame[9])
+{
+    double z[3] = {frame[6], frame[7], frame[8]}, length = sqrt(dot(z, z)) / 16384, least = 1;
+    normalise(z);
+    for (unsigned i = 0; i < c->count; i++) {
+        double g[3];
+        triangle_normal(g, m, c->triangles[i]);
+        least = fmin(least, dot(g, z) / sqrt(dot(g, g)));
+    }
+    if (least <= 0)
+        return 16384;
+    double cutoff = ceil(16384 * fmax(1, length) * sqrt(fmax(0, 1 - least * least))) + 1;
+    return (int16_t)fmin(16384, cutoff);
+}
+
+static void grow_box(int16_t lo[3], int16_t hi[3], const int16_t p[3])
+{
+    for (int k = 0; k < 3; k++) {
+        lo[k] = p[k] < lo[k] ? p[k] : lo[k];
+        hi[k] = p[k] > hi[k] ? p[k] : hi[k];
+    }
+}
+
+/* Room for one more cluster in the three arrays: they double whenever the count of meshlets is a power of two. */
+static void reserve(struct meshlet_pool *pool)
+{
+    if (pool->meshlet_count & (pool->meshlet_count - 1))
+        return;
+    size_t room = 2 * (size_t)pool->meshlet_count + 1;
+    pool->meshlets = xrealloc(pool->meshlets, room * sizeof *pool->meshlets);
+    pool->vertices = xrealloc(pool->vertices, room * MAX_VERTICES * sizeof *pool->vertices);
+    pool->triangles = xrealloc(pool->triangles, room * MAX_TRIANGLES * sizeof *pool->triangles);
+}
+
+/* Appends a cluster as one meshlet, or as several if its normals do not fit one frame. */
+static void emit(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m, const struct cluster *c)
+{
+    unsigned vertices[3 * MAX_TRIANGLES];
+    uint8_t corners[MAX_TRIANGLES][3];
+    unsigned count = cluster_vertices(vertices, corners, c);
+    double z[3];
+    if (!choose_axis(z, m, vertices, count) && c->count > 1) {
+        struct cluster part = {.count = c->count / 2};
+        memcpy(part.triangles, c->triangles, part.count * sizeof *part.triangles);
+        emit(out, pool, m, &part);
+        memcpy(part.triangles, c->triangles + part.count, (c->count - part.count) * sizeof *part.triangles);
+        part.count = c->count - part.count;
+        emit(out, pool, m, &part);
+        return;
+    }
+    reserve(pool);
+    struct scene_meshlet *meshlet = &pool->meshlets[pool->meshlet_count++];
+    *meshlet = (struct scene_meshlet){
+        .lo = {32767, 32767, 32767},
+        .hi = {-32767, -32767, -32767},
+        .vertex_first = pool->vertex_count,
+        .triangle_first = pool->triangle_count,
+        .vertex_count = (uint8_t)count,
+        .triangle_count = (uint8_t)c->count,
+    };
+    make_frame(meshlet->frame, z);
+    meshlet->cone_cutoff = cone_cutoff(m, c, meshlet->frame);
+    for (unsigned i = 0; i < count; i++) {
+        const float *p = m->vertices[vertices[i]].position;
+        const int16_t q[3] = {(int16_t)p[0], (int16_t)p[1], (int16_t)p[2]};
+        double n[3];
+        int16_t uv[2];
+        vertex_normal(n, m, vertices[i]);
+        encode_normal(uv, meshlet->frame, n);
+        pool->vertices[pool->vertex_count++] = (struct scene_vertex){q[0], q[1], q[2], uv[0], uv[1]};
+        grow_box(meshlet->lo, meshlet->hi, q);
+    }
+    for (unsigned i = 0; i < c->count; i++)
+        memcpy(pool->triangles[pool->triangle_count++].v, corners[i], sizeof corners[i]);
+    grow_box(out->lo, out->hi, meshlet->lo);
+    grow_box(out->lo, out->hi, meshlet->hi);
+}
+
+static void build_meshlets(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m)
+{
+    size_t bound = meshopt_buildMeshletsBound(m->index_count, MAX_VERTICES, MAX_TRIANGLES);
+    struct meshopt_Meshlet *meshlets = xmalloc(bound * sizeof *meshlets);
+    unsigned *vertices = xmalloc(bound * MAX_VERTICES * sizeof *vertices);
+    unsigned char *triangles = xmalloc(bound * MAX_TRIANGLES * 3);
+    size_t count =
+        meshopt_buildMeshlets(meshlets, vertices, triangles, m->indices, m->index_count, m->vertices[0].position,
+                              m->vertex_count, sizeof *m->vertices, MAX_VERTICES, MAX_TRIANGLES, CONE_WEIGHT);
+    for (size_t i = 0; i < count; i++) {
+        struct cluster c = {.count = meshlets[i].triangle_count};
+        for (unsigned j = 0; j < 3 * c.count; j++)
+            c.triangles[j / 3][j % 3] =
+                vertices[meshlets[i].vertex_offset + triangles[meshlets[i].triangle_offset + j]];
+        emit(out, pool, m, &c);
+    }
+    free(meshlets);
+    free(vertices);
+    free(triangles);
+}
+
+void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, const char *name)
+{
+    *out = (struct packed_mesh){
+        .lo = {32767, 32767, 32767}, .hi = {-32767, -32767, -32767}, .meshlet_first = pool->meshlet_count};
+    quantise(out, m, name);
+    weld(m);
+    drop_degenerate(m);
+    if (!m->index_count)
+        die(EXIT_BAD_INPUT, "%s: no triangle has an area; is it the right mesh?", name);
+    build_meshlets(out, pool, m);
+    out->meshlet_count = pool->meshlet_count - out->meshlet_first;
+    mesh_free(m);
+}
