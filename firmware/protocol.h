@@ -13,6 +13,7 @@ enum protocol_state {
     PROTOCOL_HEADER,  /* collecting a header */
     PROTOCOL_PAYLOAD, /* collecting its payload */
     PROTOCOL_DRAIN,   /* dropping a payload that is refused */
+    PROTOCOL_REFUSED, /* the refusal's reply waits for the one being sent */
     PROTOCOL_REQUEST, /* a whole request stands in `request` and `payload` */
     PROTOCOL_HALTED   /* waiting for the host to clear the halt */
 };
@@ -24,10 +25,10 @@ struct protocol {
     enum protocol_state state;
     struct usb_header request;
     uint32_t payload[(USB_MAX_PAYLOAD + 3) / 4];
-    uint32_t filled;         /* bytes of header or payload collected, or drained */
-    uint32_t handled;        /* bytes of the payload that the handler has used so far */
-    enum usb_status refusal; /* PROTOCOL_DRAIN: to reply at the end */
+    uint32_t filled; /* bytes of header or payload collected, or drained */
+    enum usb_status refusal;
     uint32_t refusal_detail;
+    bool refusal_halts;
 
     uint16_t packet_bytes, packet_used; /* the OUT packet being taken apart */
     uint8_t packet[USB_HIGH_SPEED_BULK];
@@ -49,8 +50,8 @@ void protocol_receive(struct protocol *p);
 
 /* Queues the reply to the request: `bytes` of `data` (at most sizeof(struct usb_info)) are copied,
  * `tail_bytes` of `tail` are not. Only while !p->sending. */
-void protocol_reply(struct protocol *p, enum usb_status status, uint32_t detail, const void *data,
-                    uint32_t bytes, const void *tail, uint32_t tail_bytes);
+void protocol_reply(struct protocol *p, enum usb_status status, uint32_t detail, const void *data, uint32_t bytes,
+                    const void *tail, uint32_t tail_bytes);
 
 /* The request is dealt with; the next may be received. */
 void protocol_done(struct protocol *p);

@@ -63,8 +63,7 @@ struct table_store_result {
 /* Lays the banks out (slot 0's two, then the others', equal, whole blocks) and finds what is live. In:
  * slot_count 2..USB_MAX_SLOTS; scene_bank_bytes of each of slot 0's banks, 0 = as large as the others. False
  * when the flash is too small. */
-bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count,
-                      uint32_t scene_bank_bytes);
+bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes);
 
 /* Largest content of a slot, bytes. */
 uint32_t table_store_capacity(const struct table_store *s, uint32_t slot);

@@ -17,8 +17,8 @@
  *
  * Recovery: a header with wrong magic or version, or a length above USB_MAX_DRAIN, is answered, then the OUT
  * endpoint stalls. Clearing the halt of the OUT endpoint drops a half-received request; clearing the halt of
- * the IN endpoint drops pending replies and the frame being streamed; a host does both when it opens the
- * device. SET_CONFIGURATION, SET_INTERFACE and a bus reset do the same for both. None of these touches an
+ * the IN endpoint drops pending replies, the request in hand and the frame being streamed; a host does
+ * both, OUT first, when it opens the device. SET_CONFIGURATION, SET_INTERFACE and a bus reset do the same for both. None of these touches an
  * upload: INFO tells how far it got and DATA goes on from there.
  */
 #ifndef FIRMWARE_USB_PROTOCOL_H
@@ -40,16 +40,18 @@ enum usb_message {
     USB_MSG_BEGIN,    /* usb_begin -> nothing; opens an upload to a slot's spare bank */
     USB_MSG_DATA,     /* usb_data + 1..USB_MAX_DATA bytes -> nothing, detail = bytes received; offsets ascend
                          without gap */
-    USB_MSG_COMMIT, /* -> nothing; checks length, CRC-32 and content, then makes the upload live; a new scene
+    USB_MSG_COMMIT,   /* -> nothing; checks length, CRC-32 and content, then makes the upload live; a new scene
                        forgets select and set; an upload that fails the CRC or content check is dropped */
-    USB_MSG_ABORT,  /* -> nothing; drops the upload */
-    USB_MSG_SELECT, /* usb_select -> nothing; material to table slot */
-    USB_MSG_SET,    /* usb_set + value -> nothing */
-    USB_MSG_FRAME,  /* -> one reply per tile: usb_tile + pixels, row-major tiles; then one with USB_TILE_LAST
+    USB_MSG_ABORT,    /* -> nothing; drops the upload */
+    USB_MSG_SELECT,   /* usb_select -> nothing; material to table slot */
+    USB_MSG_SET,      /* usb_set + value -> nothing */
+    USB_MSG_FRAME,    /* -> one reply per tile: usb_tile + pixels, row-major tiles; then one with USB_TILE_LAST
                      */
-    USB_MSG_STATS,  /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
-    USB_MSG_RESET,  /* -> nothing; forgets select and set, drops an upload; flash stays */
+    USB_MSG_STATS,    /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
+    USB_MSG_RESET,    /* -> nothing; forgets select and set, drops an upload; flash stays */
 };
+
+#define USB_REPLY 0x80u /* set in the type of a reply */
 
 enum usb_status {
     USB_OK = 0,
@@ -76,7 +78,7 @@ enum usb_status {
 struct usb_header {    /* both directions */
     uint16_t magic;    /* USB_PROTOCOL_MAGIC */
     uint8_t version;   /* USB_PROTOCOL_VERSION */
-    uint8_t type;      /* enum usb_message; replies set bit 7 */
+    uint8_t type;      /* enum usb_message; replies set USB_REPLY */
     uint16_t sequence; /* chosen by the host, returned in the reply */
     uint16_t status;   /* 0 in requests; enum usb_status in replies */
     uint32_t length;   /* payload bytes that follow */
@@ -122,7 +124,7 @@ struct usb_begin {
 
 #define USB_MAX_DATA    4096u               /* bytes after usb_data in one message */
 #define USB_MAX_PAYLOAD (4u + USB_MAX_DATA) /* of any request */
-#define USB_MAX_DRAIN   65536u /* a wrong length up to this is read and dropped; above, OUT stalls */
+#define USB_MAX_DRAIN   65536u              /* a wrong length up to this is read and dropped; above, OUT stalls */
 
 struct usb_data {
     uint32_t offset;
@@ -135,9 +137,9 @@ struct usb_select {
 
 enum usb_setting {
     USB_SET_CAMERA = 1, /* struct scene_camera */
-    USB_SET_LIGHT, /* index (uint32_t) + struct scene_light; index = count adds one, up to SCENE_MAX_LIGHTS */
-    USB_SET_OUTPUT, /* struct scene_output */
-    USB_SET_MODEL /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
+    USB_SET_LIGHT,      /* index (uint32_t) + struct scene_light; index = count adds one, up to SCENE_MAX_LIGHTS */
+    USB_SET_OUTPUT,     /* struct scene_output */
+    USB_SET_MODEL       /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
 };
 
 struct usb_set {
@@ -158,9 +160,9 @@ struct usb_tile_stats {
     uint32_t triangles, tested, covered, shaded, fetches, ticks;
 };
 
-struct usb_stats {       /* of the last complete frame; totals over its tiles */
-    uint32_t frames;     /* since power-up */
-    uint32_t tile_count; /* usb_tile_stats follow when wanted and kept (the length tells), row-major */
+struct usb_stats {               /* of the last complete frame; totals over its tiles */
+    uint32_t frames;             /* since power-up */
+    uint32_t tile_count;         /* usb_tile_stats follow when wanted and kept (the length tells), row-major */
     uint32_t ticks_are_modelled; /* 1: from counts; 0: hal.clock */
     uint32_t begin_ticks;        /* culling and binning */
     uint32_t meshlets_visible;
@@ -168,6 +170,7 @@ struct usb_stats {       /* of the last complete frame; totals over its tiles */
     struct usb_tile_stats total;
 };
 
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "structures are copied to and from the bus as they are");
 _Static_assert(sizeof(struct usb_header) == 16, "layout");
 _Static_assert(sizeof(struct usb_slot_info) == 16, "layout");
 _Static_assert(sizeof(struct usb_info) == 60 + 16 * USB_MAX_SLOTS, "layout");

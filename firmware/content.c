@@ -1,0 +1,143 @@
+#include "content.h"
+
+#define MODEL_OF_SCENE 0xffffffffu
+
+/* Triangles of all objects at their finest level, wrapping at 2^32. */
+static uint32_t triangle_count(const struct scene *scene)
+{
+    uint32_t n = 0;
+    for (uint32_t o = 0; o < scene->header->objects.count; o++) {
+        const struct scene_lod *lod = &scene->lods[scene->meshes[scene->objects[o].mesh].lod_first];
+        for (uint32_t m = 0; m < lod->meshlet_count; m++)
+            n += scene->meshlets[lod->meshlet_first + m].triangle_count;
+    }
+    return n;
+}
+
+void content_reset(struct app *app)
+{
+    struct app_content *c = &app->content;
+    app->frame.refused = false;
+    if (!c->has_scene)
+        return;
+    const struct scene_header *h = c->scene.header;
+    c->camera = h->camera;
+    c->output = h->output;
+    c->light_count = (uint8_t)h->lights.count; /* scene_open: at most SCENE_MAX_LIGHTS and SCENE_MAX_MATERIALS */
+    __builtin_memcpy(c->lights, c->scene.lights, h->lights.count * sizeof c->lights[0]);
+    __builtin_memcpy(c->materials, c->scene.materials, h->materials.count * sizeof c->materials[0]);
+}
+
+void content_load(struct app *app, uint32_t slot)
+{
+    struct app_content *c = &app->content;
+    uint32_t bytes;
+    const uint8_t *content = table_store_content(&app->store, slot, &bytes);
+    app->frame.refused = false;
+    if (slot == 0) {
+        c->has_scene = content && scene_open(&c->scene, content, bytes) == SCENE_OK;
+        c->triangle_count = c->has_scene ? triangle_count(&c->scene) : 0;
+        content_reset(app);
+    } else {
+        struct lut_table *table = &c->tables[slot - 1];
+        c->table_of_slot[slot - 1] = content && lut_open(table, content, bytes) == LUT_OK ? table : NULL;
+    }
+}
+
+enum usb_status content_select(struct app *app, const struct usb_select *select)
+{
+    struct app_content *c = &app->content;
+    if (!c->has_scene)
+        return USB_ERR_STATE;
+    if (select->material >= c->scene.header->materials.count || select->table + 1u >= app->config.slot_count)
+        return USB_ERR_VALUE;
+    c->materials[select->material].slot = (uint8_t)select->table;
+    app->frame.refused = false;
+    return USB_OK;
+}
+
+static const struct table_store_result accepted = {USB_OK, 0};
+
+static struct table_store_result refused(uint32_t detail)
+{
+    return (struct table_store_result){USB_ERR_VALUE, detail};
+}
+
+static struct table_store_result set_camera(struct app_content *c, const struct scene_camera *camera)
+{
+    enum scene_status status = scene_check_camera(camera);
+    if (status != SCENE_OK)
+        return refused((uint32_t)status);
+    c->camera = *camera;
+    return accepted;
+}
+
+static struct table_store_result set_output(struct app_content *c, const struct scene_output *output)
+{
+    enum scene_status status = scene_check_output(output);
+    if (status != SCENE_OK)
+        return refused((uint32_t)status);
+    c->output = *output;
+    return accepted;
+}
+
+static struct table_store_result set_light(struct app_content *c, uint32_t index, const struct scene_light *light)
+{
+    enum scene_status status = scene_check_light(light);
+    if (status != SCENE_OK || index > c->light_count || index >= SCENE_MAX_LIGHTS)
+        return refused((uint32_t)status);
+    c->lights[index] = *light;
+    if (index == c->light_count)
+        c->light_count++;
+    return accepted;
+}
+
+static struct table_store_result set_model(struct app_content *c, uint32_t model)
+{
+    if (model > SCENE_MATERIAL_LAFORTUNE_PHONG && model != MODEL_OF_SCENE)
+        return refused(0);
+    for (uint32_t m = 0; m < c->scene.header->materials.count; m++)
+        c->materials[m].kind = model == MODEL_OF_SCENE ? c->scene.materials[m].kind : (uint8_t)model;
+    return accepted;
+}
+
+/* Bytes of a setting's value; 0: no such setting. */
+static uint32_t value_bytes(uint32_t setting)
+{
+    switch (setting) {
+    case USB_SET_CAMERA:
+        return sizeof(struct scene_camera);
+    case USB_SET_LIGHT:
+        return sizeof(uint32_t) + sizeof(struct scene_light);
+    case USB_SET_OUTPUT:
+        return sizeof(struct scene_output);
+    case USB_SET_MODEL:
+        return sizeof(uint32_t);
+    default:
+        return 0;
+    }
+}
+
+struct table_store_result content_set(struct app *app, uint32_t setting, const void *value, uint32_t bytes)
+{
+    struct app_content *c = &app->content;
+    const uint32_t *words = value;
+    uint32_t wanted = value_bytes(setting);
+    if (!wanted)
+        return refused(0);
+    if (bytes != wanted)
+        return (struct table_store_result){USB_ERR_LENGTH, (uint32_t)sizeof(struct usb_set) + wanted};
+    if (!c->has_scene)
+        return (struct table_store_result){USB_ERR_STATE, 0};
+    app->frame.refused = false;
+    switch (setting) {
+    case USB_SET_CAMERA:
+        return set_camera(c, value);
+    case USB_SET_LIGHT:
+        return set_light(c, words[0], (const struct scene_light *)(words + 1));
+    case USB_SET_OUTPUT:
+        return set_output(c, value);
+    default:
+        return set_model(c, words[0]);
+    }
+}

@@ -1,0 +1,156 @@
+#include "protocol.h"
+
+void protocol_init(struct protocol *p, struct usb_device *usb)
+{
+    p->usb = usb;
+    p->state = PROTOCOL_HEADER;
+    p->filled = 0;
+    p->packet_bytes = p->packet_used = 0;
+    p->sending = false;
+}
+
+void protocol_clear_out(struct protocol *p)
+{
+    p->packet_bytes = p->packet_used = 0;
+    if (p->state != PROTOCOL_REQUEST)
+        protocol_done(p);
+}
+
+void protocol_clear_in(struct protocol *p)
+{
+    p->sending = false;
+    if (p->state == PROTOCOL_REQUEST)
+        protocol_done(p);
+}
+
+void protocol_done(struct protocol *p)
+{
+    p->state = PROTOCOL_HEADER;
+    p->filled = 0;
+}
+
+/* The header is complete: what to do with what follows. */
+static void header_arrived(struct protocol *p)
+{
+    const struct usb_header *h = &p->request;
+    p->filled = 0;
+    p->state = PROTOCOL_REFUSED;
+    p->refusal_halts = true;
+    if (h->magic != USB_PROTOCOL_MAGIC) {
+        p->request.type = 0;
+        p->request.sequence = 0;
+        p->refusal = USB_ERR_MAGIC;
+        p->refusal_detail = USB_PROTOCOL_MAGIC;
+    } else if (h->version != USB_PROTOCOL_VERSION) {
+        p->refusal = USB_ERR_VERSION;
+        p->refusal_detail = USB_PROTOCOL_VERSION;
+    } else if (h->length > USB_MAX_PAYLOAD) {
+        p->refusal = USB_ERR_LENGTH;
+        p->refusal_detail = USB_MAX_PAYLOAD;
+        if (h->length <= USB_MAX_DRAIN) {
+            p->refusal_halts = false;
+            p->state = PROTOCOL_DRAIN;
+        }
+    } else {
+        p->state = h->length ? PROTOCOL_PAYLOAD : PROTOCOL_REQUEST;
+    }
+}
+
+/* Takes bytes of the packet at hand for the part of the message being collected. */
+static void packet_take(struct protocol *p)
+{
+    bool header = p->state == PROTOCOL_HEADER;
+    uint32_t wanted = (header ? (uint32_t)sizeof p->request : p->request.length) - p->filled;
+    uint32_t n = (uint32_t)p->packet_bytes - p->packet_used;
+    if (n > wanted)
+        n = wanted;
+    if (p->state != PROTOCOL_DRAIN) /* filled + n <= sizeof payload: header_arrived saw to it */
+        __builtin_memcpy((header ? (uint8_t *)&p->request : (uint8_t *)p->payload) + p->filled,
+                         p->packet + p->packet_used, n);
+    p->packet_used = (uint16_t)(p->packet_used + n);
+    p->filled += n;
+    if (n < wanted)
+        return;
+    if (header)
+        header_arrived(p);
+    else
+        p->state = p->state == PROTOCOL_DRAIN ? PROTOCOL_REFUSED : PROTOCOL_REQUEST;
+}
+
+static void refuse(struct protocol *p)
+{
+    protocol_reply(p, p->refusal, p->refusal_detail, NULL, 0, NULL, 0);
+    protocol_done(p);
+    if (p->refusal_halts) { /* where the next header begins is unknown: what came behind is dropped */
+        usb_device_halt_out(p->usb);
+        p->state = PROTOCOL_HALTED;
+        p->packet_bytes = p->packet_used = 0;
+    }
+}
+
+void protocol_receive(struct protocol *p)
+{
+    for (;;) {
+        if (p->state == PROTOCOL_REFUSED && !p->sending)
+            refuse(p);
+        if (p->state == PROTOCOL_REQUEST || p->state == PROTOCOL_REFUSED || p->state == PROTOCOL_HALTED)
+            return;
+        if (p->packet_used == p->packet_bytes) {
+            int n = usb_device_read(p->usb, p->packet, usb_device_packet(p->usb));
+            if (n < 0)
+                return;
+            p->packet_bytes = (uint16_t)n;
+            p->packet_used = 0;
+        }
+        if (p->packet_used < p->packet_bytes)
+            packet_take(p);
+    }
+}
+
+void protocol_reply(struct protocol *p, enum usb_status status, uint32_t detail, const void *data, uint32_t bytes,
+                    const void *tail, uint32_t tail_bytes)
+{
+    struct usb_header h = {USB_PROTOCOL_MAGIC,
+                           USB_PROTOCOL_VERSION,
+                           (uint8_t)(p->request.type | USB_REPLY),
+                           p->request.sequence,
+                           (uint16_t)status,
+                           bytes + tail_bytes,
+                           detail};
+    __builtin_memcpy(p->head, &h, sizeof h);
+    if (bytes)
+        __builtin_memcpy(p->head + sizeof h, data, bytes);
+    p->head_bytes = (uint32_t)sizeof h + bytes;
+    p->tail = tail;
+    p->tail_bytes = tail_bytes;
+    p->sent = 0;
+    p->sending = true;
+}
+
+/* Puts the next packet of head and tail together; returns its length. */
+static uint32_t packet_next(const struct protocol *p, uint8_t *packet, uint32_t max)
+{
+    uint32_t total = p->head_bytes + p->tail_bytes, at = p->sent, n = 0;
+    if (at < p->head_bytes) {
+        n = p->head_bytes - at < max ? p->head_bytes - at : max;
+        __builtin_memcpy(packet, p->head + at, n);
+        at += n;
+    }
+    uint32_t rest = total - at < max - n ? total - at : max - n;
+    if (rest)
+        __builtin_memcpy(packet + n, p->tail + (at - p->head_bytes), rest);
+    return n + rest;
+}
+
+void protocol_send(struct protocol *p)
+{
+    uint32_t max = (uint32_t)usb_device_packet(p->usb);
+    uint8_t packet[USB_HIGH_SPEED_BULK];
+    while (p->sending) {
+        uint32_t n = packet_next(p, packet, max);
+        if (usb_device_write(p->usb, packet, n) != HAL_OK)
+            return;
+        p->sent += n;
+        p->sending = n == max; /* a short packet, perhaps of no bytes, ends the reply */
+    }
+}

@@ -1,0 +1,231 @@
+#include "table_store.h"
+
+#include "crc32.h"
+#include "lut.h"
+#include "scene.h"
+
+#define ERASED_WORD 0xffffffffu
+
+static const struct table_store_result done = {USB_OK, 0};
+
+static uint32_t bank_bytes(const struct table_store *s, uint32_t slot)
+{
+    return slot == 0 ? s->scene_bank_bytes : s->table_bank_bytes;
+}
+
+static uint32_t bank_offset(const struct table_store *s, uint32_t slot, uint32_t bank)
+{
+    if (slot == 0)
+        return bank * s->scene_bank_bytes;
+    return 2 * s->scene_bank_bytes + (2 * (slot - 1) + bank) * s->table_bank_bytes;
+}
+
+static const uint8_t *bank_content(const struct table_store *s, uint32_t slot, uint32_t bank)
+{
+    return s->hal->flash + bank_offset(s, slot, bank) + TABLE_STORE_DATA_OFFSET;
+}
+
+uint32_t table_store_capacity(const struct table_store *s, uint32_t slot)
+{
+    return bank_bytes(s, slot) - TABLE_STORE_DATA_OFFSET;
+}
+
+static uint32_t header_crc(const struct table_store_header *h)
+{
+    return crc32_update(0, h, offsetof(struct table_store_header, header_crc));
+}
+
+static uint8_t kind_of_slot(uint32_t slot)
+{
+    return slot == 0 ? USB_SLOT_SCENE : USB_SLOT_TABLE;
+}
+
+/* 0, or the enum lut_status or scene_status that refuses the content. */
+static uint32_t content_check(uint8_t kind, const uint8_t *content, uint32_t bytes)
+{
+    if (kind == USB_SLOT_SCENE) {
+        struct scene scene;
+        return (uint32_t)scene_open(&scene, content, bytes);
+    }
+    struct lut_table table;
+    return (uint32_t)lut_open(&table, content, bytes);
+}
+
+/* --- what is live at start --- */
+
+static bool header_read(struct table_store_header *h, const struct table_store *s, uint32_t slot, uint32_t bank)
+{
+    __builtin_memcpy(h, s->hal->flash + bank_offset(s, slot, bank), sizeof *h);
+    return h->magic == TABLE_STORE_MAGIC && h->header_crc == header_crc(h) && h->version == TABLE_STORE_VERSION &&
+           h->slot == slot && h->kind == kind_of_slot(slot) && h->length != 0 &&
+           h->length <= table_store_capacity(s, slot);
+}
+
+static bool bank_mount(struct table_store *s, uint32_t slot, uint8_t bank, const struct table_store_header *h)
+{
+    const uint8_t *content = bank_content(s, slot, bank);
+    if (crc32_update(0, content, h->length) != h->crc || content_check(h->kind, content, h->length) != 0)
+        return false;
+    s->slots[slot] = (struct table_store_slot){h->kind, bank, h->length, h->crc, h->sequence};
+    return true;
+}
+
+static void slot_mount(struct table_store *s, uint32_t slot)
+{
+    struct table_store_header h[2];
+    bool intact[2] = {header_read(&h[0], s, slot, 0), header_read(&h[1], s, slot, 1)};
+    uint8_t newest = intact[1] && (!intact[0] || h[1].sequence > h[0].sequence);
+    if (intact[newest] && bank_mount(s, slot, newest, &h[newest]))
+        return;
+    if (intact[1 - newest])
+        bank_mount(s, slot, (uint8_t)(1 - newest), &h[1 - newest]);
+}
+
+bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes)
+{
+    uint32_t block = hal->flash_block_bytes, tables = 2u * (slot_count - 1u);
+    __builtin_memset(s, 0, sizeof *s);
+    s->hal = hal;
+    s->slot_count = slot_count;
+    if (scene_bank_bytes == 0)
+        scene_bank_bytes = hal->flash_bytes / (tables + 2) & ~(block - 1);
+    if (scene_bank_bytes < block || scene_bank_bytes > hal->flash_bytes / 2 || scene_bank_bytes & (block - 1))
+        return false;
+    s->scene_bank_bytes = scene_bank_bytes;
+    s->table_bank_bytes = (hal->flash_bytes - 2 * scene_bank_bytes) / tables & ~(block - 1);
+    /* a block of 256 bytes would hold the header's page and nothing else */
+    if (s->table_bank_bytes <= TABLE_STORE_DATA_OFFSET || s->scene_bank_bytes <= TABLE_STORE_DATA_OFFSET)
+        return false;
+    for (uint32_t slot = 0; slot < slot_count; slot++)
+        slot_mount(s, slot);
+    return true;
+}
+
+const uint8_t *table_store_content(const struct table_store *s, uint32_t slot, uint32_t *bytes)
+{
+    const struct table_store_slot *live = &s->slots[slot];
+    *bytes = live->length;
+    return live->kind == USB_SLOT_EMPTY ? NULL : bank_content(s, slot, live->bank);
+}
+
+/* --- uploads --- */
+
+static struct table_store_result flash_failed(struct table_store *s, int result)
+{
+    s->upload.open = false;
+    return (struct table_store_result){result == HAL_FORBIDDEN ? USB_ERR_FORBIDDEN : USB_ERR_FLASH, 0};
+}
+
+/* Erases the upload's bank up to `end` bytes from its start, block by block. */
+static int bank_erase(struct table_store *s, uint32_t end)
+{
+    struct table_store_upload *u = &s->upload;
+    while (u->erased < end) {
+        int result = s->hal->flash_erase(s->hal->ctx, bank_offset(s, u->slot, u->bank) + u->erased);
+        if (result != HAL_OK)
+            return result;
+        u->erased += s->hal->flash_block_bytes;
+    }
+    return HAL_OK;
+}
+
+struct table_store_result table_store_begin(struct table_store *s, const struct usb_begin *b)
+{
+    if (b->slot >= s->slot_count)
+        return (struct table_store_result){USB_ERR_SLOT, s->slot_count};
+    if (b->kind != kind_of_slot(b->slot) || b->length == 0)
+        return (struct table_store_result){USB_ERR_VALUE, 0};
+    if (b->length > table_store_capacity(s, b->slot))
+        return (struct table_store_result){USB_ERR_TOO_LARGE, table_store_capacity(s, b->slot)};
+    if (s->hal->write_allowed && !s->hal->write_allowed(s->hal->ctx))
+        return (struct table_store_result){USB_ERR_FORBIDDEN, 0};
+    const struct table_store_slot *live = &s->slots[b->slot];
+    struct table_store_upload *u = &s->upload;
+    u->open = true;
+    u->slot = (uint8_t)b->slot;
+    u->kind = (uint8_t)b->kind;
+    u->bank = live->kind != USB_SLOT_EMPTY && live->bank == 0;
+    u->length = b->length;
+    u->crc = b->crc;
+    u->received = u->erased = u->checked = u->check_crc = 0;
+    int result = bank_erase(s, TABLE_STORE_DATA_OFFSET);
+    return result == HAL_OK ? done : flash_failed(s, result);
+}
+
+/* Programs the collected chunk: the last `bytes` of what was received. */
+static int chunk_program(struct table_store *s, uint32_t bytes)
+{
+    struct table_store_upload *u = &s->upload;
+    uint32_t at = TABLE_STORE_DATA_OFFSET + u->received - bytes, padded = (bytes + 3) & ~3u;
+    __builtin_memset((uint8_t *)u->chunk + bytes, 0xff, padded - bytes);
+    int result = bank_erase(s, at + padded);
+    if (result != HAL_OK)
+        return result;
+    return s->hal->flash_program(s->hal->ctx, bank_offset(s, u->slot, u->bank) + at, u->chunk, padded);
+}
+
+struct table_store_result table_store_write(struct table_store *s, const uint8_t *data, uint32_t bytes)
+{
+    struct table_store_upload *u = &s->upload;
+    while (bytes) {
+        uint32_t have = u->received % TABLE_STORE_CHUNK, n = TABLE_STORE_CHUNK - have;
+        if (n > bytes)
+            n = bytes;
+        __builtin_memcpy((uint8_t *)u->chunk + have, data, n);
+        u->received += n;
+        data += n;
+        bytes -= n;
+        if (have + n == TABLE_STORE_CHUNK || u->received == u->length) {
+            int result = chunk_program(s, have + n);
+            if (result != HAL_OK)
+                return flash_failed(s, result);
+        }
+    }
+    return (struct table_store_result){USB_OK, u->received};
+}
+
+bool table_store_check(struct table_store *s, uint32_t bytes)
+{
+    struct table_store_upload *u = &s->upload;
+    if (bytes > u->length - u->checked)
+        bytes = u->length - u->checked;
+    u->check_crc = crc32_update(u->check_crc, bank_content(s, u->slot, u->bank) + u->checked, bytes);
+    u->checked += bytes;
+    return u->checked == u->length;
+}
+
+struct table_store_result table_store_commit(struct table_store *s)
+{
+    struct table_store_upload *u = &s->upload;
+    struct table_store_slot *live = &s->slots[u->slot];
+    u->open = false;
+    if (u->check_crc != u->crc)
+        return (struct table_store_result){USB_ERR_CRC, u->check_crc};
+    uint32_t refused = content_check(u->kind, bank_content(s, u->slot, u->bank), u->length);
+    if (refused)
+        return (struct table_store_result){USB_ERR_CONTENT, refused};
+    struct table_store_header h = {
+        .magic = TABLE_STORE_MAGIC,
+        .version = TABLE_STORE_VERSION,
+        .slot = u->slot,
+        .kind = u->kind,
+        .length = u->length,
+        .crc = u->crc,
+        .sequence = live->kind == USB_SLOT_EMPTY ? 1 : live->sequence + 1,
+        .reserved = {ERASED_WORD, ERASED_WORD},
+    };
+    h.header_crc = header_crc(&h);
+    uint32_t offset = bank_offset(s, u->slot, u->bank);
+    int result = s->hal->flash_program(s->hal->ctx, offset, &h, sizeof h);
+    if (result == HAL_OK && __builtin_memcmp(s->hal->flash + offset, &h, sizeof h) != 0)
+        result = HAL_ERROR;
+    if (result != HAL_OK)
+        return flash_failed(s, result);
+    *live = (struct table_store_slot){u->kind, u->bank, u->length, u->crc, h.sequence};
+    return done;
+}
+
+void table_store_abort(struct table_store *s)
+{
+    s->upload.open = false;
+}
