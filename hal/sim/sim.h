@@ -23,8 +23,7 @@ struct sim_config {
     uint32_t scene_bank_bytes; /* 0: 2 MB */
     size_t arena_bytes;        /* 0: 64 KB */
     const char *serial;        /* NULL: "GT-SIM-0001" */
-    const char
-        *flash_file; /* NULL: none. Flash image: read at creation when it exists, written at destruction */
+    const char *flash_file;    /* NULL: none. Flash image: read at creation when it exists, written at destruction */
 };
 
 enum sim_result {
@@ -43,6 +42,9 @@ struct sim *sim_create(const struct sim_config *config);
 bool sim_destroy(struct sim *s);
 
 const struct hal *sim_hal(struct sim *s);
+
+/* The configuration with the defaults filled in. */
+const struct sim_config *sim_configuration(const struct sim *s);
 
 /* The flash image, for tests that damage it; its bytes. */
 uint8_t *sim_flash(struct sim *s, uint32_t *bytes);
