@@ -1,0 +1,148 @@
+#include "host_csv.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+
+enum { THETA_IN, THETA_OUT, PHI_OUT, RED, GREEN, BLUE, FIELDS, IGNORED = FIELDS, MAX_COLUMNS = 64 };
+
+static const char *const field_names[FIELDS] = {"theta_in", "theta_out", "phi_out", "R", "G", "B"};
+
+struct csv {
+    const char *path;
+    size_t line;
+    int columns;
+    int field[MAX_COLUMNS]; /* of a column, or IGNORED */
+    size_t negative, first_negative_line;
+};
+
+/* Cuts the next cell off *rest at a comma and trims it; *rest becomes NULL after the last one. */
+static char *next_cell(char **rest)
+{
+    char *cell = *rest, *comma = strchr(cell, ',');
+    *rest = comma ? comma + 1 : NULL;
+    char *end = comma ? comma : cell + strlen(cell);
+    cell += strspn(cell, " \t");
+    while (end > cell && (end[-1] == ' ' || end[-1] == '\t'))
+        end--;
+    *end = 0;
+    return cell;
+}
+
+static void parse_header(struct csv *c, char *line)
+{
+    unsigned seen = 0;
+    for (char *rest = line; rest; c->columns++) {
+        char *name = next_cell(&rest);
+        if (c->columns == MAX_COLUMNS)
+            die(EXIT_BAD_INPUT, "%s:%zu: more than %d columns; keep theta_in,theta_out,phi_out,R,G,B",
+                c->path, c->line, MAX_COLUMNS);
+        int f = 0;
+        while (f < FIELDS && strcmp(name, field_names[f]))
+            f++;
+        c->field[c->columns] = f;
+        if (f == IGNORED) {
+            warn("%s:%zu: column '%.40s' is not one of theta_in,theta_out,phi_out,R,G,B: ignored", c->path,
+                 c->line, name);
+            continue;
+        }
+        if (seen >> f & 1)
+            die(EXIT_BAD_INPUT, "%s:%zu: column %s appears twice; name each once", c->path, c->line,
+                field_names[f]);
+        seen |= 1u << f;
+    }
+    for (int f = 0; f < FIELDS; f++)
+        if (!(seen >> f & 1))
+            die(EXIT_BAD_INPUT,
+                "%s:%zu: no column %s; the first line must name theta_in,theta_out,phi_out,R,G,B (degrees, "
+                "1/sr)",
+                c->path, c->line, field_names[f]);
+}
+
+static void check_angle(const struct csv *c, int f, double x)
+{
+    double lo = f == PHI_OUT ? -360 : 0, hi = f == PHI_OUT ? 360 : 90;
+    if (!(x >= lo && x <= hi) || (f == THETA_IN && x == 90))
+        die(EXIT_BAD_INPUT, "%s:%zu: %s is %g, outside %g..%g%s; angles are in degrees", c->path, c->line,
+            field_names[f], x, lo, hi, f == THETA_IN ? " (exclusive)" : "");
+}
+
+static double check_value(struct csv *c, int f, double x)
+{
+    if (!(fabs(x) <= FLT_MAX))
+        die(EXIT_BAD_INPUT, "%s:%zu: %s is %g, not a finite number; repeat or remove that measurement",
+            c->path, c->line, field_names[f], x);
+    if (x >= 0)
+        return x;
+    if (!c->negative++)
+        c->first_negative_line = c->line;
+    return 0;
+}
+
+static void parse_row(struct measurement *out, struct csv *c, char *line)
+{
+    double x[FIELDS + 1];
+    int column = 0;
+    for (char *rest = line; rest; column++) {
+        char *cell = next_cell(&rest), *end;
+        int f = column < c->columns ? c->field[column] : IGNORED;
+        if (f == IGNORED)
+            continue;
+        x[f] = strtod(cell, &end);
+        if (end == cell || *end)
+            die(EXIT_BAD_INPUT, "%s:%zu: %s is '%.40s', not a number; write decimal numbers between commas",
+                c->path, c->line, field_names[f], cell);
+        if (f <= PHI_OUT)
+            check_angle(c, f, x[f]);
+        else
+            x[f] = check_value(c, f, x[f]);
+    }
+    if (column != c->columns)
+        die(EXIT_BAD_INPUT, "%s:%zu: %d columns where the header names %d; complete the line", c->path,
+            c->line, column, c->columns);
+    double phi = x[PHI_OUT] < 0 ? x[PHI_OUT] + 360 : x[PHI_OUT];
+    struct measurement_point point = {(float)x[THETA_IN],
+                                      (float)x[THETA_OUT],
+                                      (float)phi < 360 ? (float)phi : 0,
+                                      {(float)x[RED], (float)x[GREEN], (float)x[BLUE]}};
+    if (out->count == MEASUREMENT_MAX_POINTS)
+        die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", c->path, c->line,
+            MEASUREMENT_MAX_POINTS);
+    measurement_add(out, &point);
+}
+
+void csv_parse(struct measurement *out, const char *path, char *text, size_t bytes)
+{
+    struct csv c = {.path = path};
+    const char *nul = memchr(text, 0, bytes);
+    if (nul)
+        die(EXIT_BAD_INPUT, "%s: byte %zu is NUL; neither a measurement file nor CSV text", path,
+            (size_t)(nul - text));
+    measurement_init(out, path);
+    if (!strncmp(text, "\xef\xbb\xbf", 3)) /* UTF-8 byte order mark */
+        text += 3;
+    for (char *line = text, *next; line; line = next) {
+        next = strchr(line, '\n');
+        char *end = next ? next++ : line + strlen(line);
+        if (end > line && end[-1] == '\r')
+            end--;
+        *end = 0;
+        c.line++;
+        line += strspn(line, " \t");
+        if (!*line || *line == '#')
+            continue;
+        if (c.columns)
+            parse_row(out, &c, line);
+        else
+            parse_header(&c, line);
+    }
+    if (!out->count)
+        die(EXIT_BAD_INPUT, "%s: no samples in %zu lines; give a header line and one line per direction",
+            path, c.line);
+    if (c.negative)
+        warn("%s: %zu negative values set to 0, the first in line %zu", path, c.negative,
+             c.first_negative_line);
+}
