@@ -42,17 +42,17 @@ enum raster_status {
     RASTER_ERR_ARENA, /* the arena is too small: raster.arena_needed says what this frame takes */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
     RASTER_ERR_LIMIT, /* more than 65535 visible meshlets or bin entries */
-    RASTER_ERR_TRANSFORM, /* an object's position or scale is out of the representable range */
+    RASTER_STATUS_COUNT
 };
 
 /* Everything one frame is made from. Pointers stay owned by the caller and must outlive the frame. */
 struct raster_frame {
     const struct scene *scene;
-    const struct scene_camera *camera;     /* usually the scene's own, or a moved copy */
+    const struct scene_camera *camera; /* usually the scene's own, or a moved copy */
     const struct scene_output *output;
-    const struct scene_light *lights;      /* light_count of them */
+    const struct scene_light *lights;       /* light_count of them */
     const struct scene_material *materials; /* as many as the scene has */
-    const struct lut_table *const *tables; /* RASTER_MAX_SLOTS pointers, NULL where a slot is empty */
+    const struct lut_table *const *tables;  /* RASTER_MAX_SLOTS pointers, NULL where a slot is empty */
     uint16_t width, height;
     uint8_t light_count;
     uint8_t format; /* enum raster_format */
@@ -64,21 +64,27 @@ struct raster_rect {
 
 /* What a tile cost, in counts; all zero for a tile without a meshlet. */
 struct raster_stats {
-    uint32_t meshlets;   /* transformed */
-    uint32_t triangles;  /* front-facing ones set up */
-    uint32_t tested;     /* pixels whose depth was compared */
-    uint32_t covered;    /* pixels of the tile that show a surface */
-    uint32_t shaded;     /* pixel-lights evaluated */
-    uint32_t fetches;    /* table texels read */
+    uint32_t meshlets;  /* transformed */
+    uint32_t triangles; /* front-facing ones set up */
+    uint32_t tested;    /* pixels whose depth was compared */
+    uint32_t covered;   /* pixels of the tile that show a surface */
+    uint32_t shaded;    /* pixel-lights evaluated */
+    uint32_t fetches;   /* table texels read */
 };
 
-struct raster_object; /* per-object transform of this frame, in the arena */
+struct raster_object;  /* per-object transform of this frame, in the arena */
 struct raster_visible; /* a meshlet that survived culling, in the arena */
 struct raster_node;    /* an entry of a tile's list, in the arena */
 
 struct raster_light {
-    q17_15_t direction[3]; /* eye space */
-    uint32_t irradiance[3]; /* times exposure, uq16_16 */
+    struct vec3 direction;   /* eye space */
+    uq16_16_t irradiance[3]; /* times exposure */
+};
+
+/* From a pixel to the direction of its view ray, see raster_view_vector. */
+struct raster_view {
+    int32_t step; /* half a pixel, with VIEW_STEP_BITS fraction bits, in the unit of `axis` */
+    int32_t axis; /* the ray's component along the view axis, below 2^15 */
 };
 
 /* A frame being rendered. Read-only while tiles render. Fields are internal but for arena_needed, bad_material. */
@@ -91,35 +97,52 @@ struct raster {
     uint32_t visible_count, node_count;
     uint16_t tiles_x, tiles_y;
     struct raster_light lights[SCENE_MAX_LIGHTS];
+    struct raster_view view;
     size_t arena_needed;
     uint32_t bad_material;
 };
 
 /* One tile's working memory: fast RAM, one per thread. Contents are internal. */
 #define RASTER_TILE_PIXELS (RASTER_TILE_WIDTH * RASTER_TILE_HEIGHT)
-#define RASTER_BATCH       64
+#define RASTER_BATCH       64 /* pixels of one material shaded together */
 
 struct raster_surface {
-    uint32_t depth_slot; /* depth << 8 | slot; 0 = background; larger is nearer */
-    uint32_t normal;     /* stereographic u (low half) and v (high half), Q14 */
+    uint32_t depth_slot; /* depth << 8 | slot, larger is nearer; 0 = background; slot 0 = already shaded */
+    uint32_t normal;     /* stereographic u (low half) and v (high half), Q14; 0x00BBGGRR once shaded */
 };
 
 struct raster_vertex { /* projected */
-    q24_8_t x, y;        /* relative to the tile's corner */
-    uint32_t inv_w;      /* 24-bit depth */
+    q24_8_t x, y;      /* relative to the tile's corner */
+    uint32_t inv_w;    /* proportional to 1/w, at most 2^23 */
     int16_t u, v;
 };
 
-struct raster_slot { /* a meshlet in this tile: what shading needs of it */
-    int16_t frame[9]; /* eye space from the meshlet's frame, Q14, columns applied to local normal */
-    uint16_t material;
+struct raster_clip_vertex { /* before the perspective division, in its object's scales */
+    int32_t x, y, w;
+    int16_t u, v;
+};
+
+struct raster_slot {  /* a meshlet in this tile: what shading needs of it */
+    int16_t frame[9]; /* columns: its frame's axes in eye space, Q14 */
+    uint8_t material;
+    uint8_t reserved;
+};
+
+struct raster_batch {
+    struct vec3 normal[RASTER_BATCH], view[RASTER_BATCH];
+    uq12_20_t radiance[RASTER_BATCH][3];
+    uint16_t pixel[RASTER_BATCH]; /* index into the tile's surface */
+    uint32_t count;
+    uint32_t material;
 };
 
 struct raster_tile {
     struct raster_surface surface[RASTER_TILE_PIXELS]; /* the finished pixels overwrite it from the start */
-    struct raster_slot slots[256];
+    struct raster_slot slots[256];                     /* 1..255 in use */
     struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
+    struct raster_clip_vertex clip[SCENE_MESHLET_MAX_VERTICES];
     int32_t spans[2 * RASTER_TILE_HEIGHT];
+    struct raster_batch batch;
 };
 
 /* Bytes of arena that this very frame needs; 0 when raster_begin would fail for another reason. Runs the culling
@@ -141,8 +164,8 @@ static inline uint32_t raster_tile_count(const struct raster *r)
 /* Renders tile `index` (row-major, < raster_tile_count). *rect is its place on the screen, cut at the picture's
  * right and bottom edge; pixels are rect->width * rect->height, row by row without padding, at
  * raster_tile_pixels(work), valid until work is used again. */
-void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work,
-                        struct raster_rect *rect, struct raster_stats *stats);
+void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
+                        struct raster_stats *stats);
 
 static inline const uint8_t *raster_tile_pixels(const struct raster_tile *work)
 {

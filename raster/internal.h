@@ -1,0 +1,108 @@
+/*
+ * What the rasterizer's files share. Not for embedders.
+ *
+ * Scales. Each object carries its transform in two scales of its own, chosen so that int32 sums never overflow and
+ * as many bits as possible survive: w = Z * 2^-scale_w in world units, and half sub-pixels (1/512 px) from the
+ * picture's centre are (X * 2^-scale_xy) / w. Both are powers of two, so a vertex shared by two meshlets of an object
+ * projects to the same bits whichever path draws it.
+ */
+#ifndef RASTER_INTERNAL_H
+#define RASTER_INTERNAL_H
+
+#include "raster.h"
+
+/* Guard band: coordinates within +-2^13 px of the picture's centre, thus within +-(2^13 + 2^12) px of any tile. */
+#define GUARD_BITS 13
+/* A small triangle's extent in 24.8: below 63 px, so that a tile's neighbourhood fits 16 bits. */
+#define SMALL_EXTENT (63 * 256)
+/* ... and w varies by at most 1/2^n over its meshlet, so that affine interpolation of a normal's coordinate errs by less
+ * than a quarter of that times its own change. */
+#define SMALL_DEPTH_RATIO_BITS 5
+#define VIEW_STEP_BITS         14
+#define DEPTH_BIAS             128u /* keeps an interpolated depth, which may err by its gradient's rounding, above zero */
+
+struct raster_object {
+    int32_t row[3][3]; /* X, Y, W from vertex units; |entry| < 2^15 */
+    int32_t offset[3]; /* |sum of a row's products + offset| < 2^31 */
+    int32_t scale_w;
+    int32_t shift_xy;    /* 29 + scale_xy - scale_w */
+    int32_t shift_depth; /* of the reciprocal, see raster_project */
+    int32_t near_w;      /* near plane in W units, rounded up, >= 1 */
+    int32_t eye[3];      /* eye in vertex units >> eye_shift, |e| < 2^16 */
+    uint8_t eye_shift;
+    uint8_t material;
+    int16_t rotation[9]; /* eye space from object space, Q14 */
+};
+
+#define VISIBLE_SMALL 1u /* every triangle may take the small path's arithmetic */
+
+struct raster_visible {
+    uint16_t object;
+    uint16_t flags;
+    uint32_t meshlet;
+};
+
+struct raster_node {
+    uint16_t visible; /* index into visible */
+    uint16_t next;    /* 0 = end */
+};
+
+/* ~2^61 / x for a normalised x >= 2^31. Out: 2^29 .. 2^30, relative error <= 2^-27: one 16-bit division and one Newton
+ * step, whose square of the first error (2^-15) is what remains. */
+static inline uint32_t raster_recip(uint32_t x)
+{
+    uint32_t r0 = UINT32_MAX / (x >> 16);                         /* 2^48/x (1+d), 65537 <= r0 <= 131071 */
+    int32_t d = (int32_t)(fx_mulhi_u(x, r0 << 15) - 0x80000000u); /* d * 2^31, |d| <= 2^-15 */
+    return (r0 << 13) - (uint32_t)fx_mulhi((int32_t)(r0 << 13), d * 2);
+}
+
+/* transform.c */
+void raster_object_setup(struct raster_object *o, const struct raster_frame *f, const struct scene_object *so);
+void raster_view_setup(struct raster_view *v, const struct scene_camera *c, uint16_t width, uint16_t height);
+/* Towards the eye from the surface seen at pixel (x, y), eye space; unit within 2^-14. */
+struct vec3 raster_view_vector(const struct raster *r, uint32_t x, uint32_t y);
+
+/* Vertex to X, Y, W. */
+static inline void raster_transform(struct raster_clip_vertex *c, const struct raster_object *o,
+                                    const struct scene_vertex *v)
+{
+    int32_t x = v->x, y = v->y, z = v->z;
+    c->x = o->row[0][0] * x + o->row[0][1] * y + o->row[0][2] * z + o->offset[0];
+    c->y = o->row[1][0] * x + o->row[1][1] * y + o->row[1][2] * z + o->offset[1];
+    c->w = o->row[2][0] * x + o->row[2][1] * y + o->row[2][2] * z + o->offset[2];
+    c->u = v->u;
+    c->v = v->v;
+}
+
+/* Perspective division and snapping to 1/256 px, rounded to nearest. In: w >= near_w, |result| inside the guard band (it
+ * is clamped there); centre_x2/y2 = the picture's centre relative to the tile's corner in 1/512 px, plus 1 (rounding). */
+void raster_project(struct raster_vertex *p, const struct raster_object *o, const struct raster_clip_vertex *c,
+                    int32_t centre_x2, int32_t centre_y2);
+
+/* clip.c: which planes a vertex is outside of. */
+enum { CLIP_NEAR = 1, CLIP_LEFT = 2, CLIP_RIGHT = 4, CLIP_TOP = 8, CLIP_BOTTOM = 16 };
+#define CLIP_MAX_VERTICES 8 /* 3 + one for each plane */
+unsigned raster_clip_code(const struct raster_object *o, const struct raster_clip_vertex *v);
+/* Clips the polygon p (count vertices, room for CLIP_MAX_VERTICES) against the planes in `codes`; returns the new count,
+ * 0 when nothing is left. An edge shared by two triangles is cut at the same point whichever way it runs. */
+unsigned raster_clip_polygon(struct raster_clip_vertex *p, unsigned count, unsigned codes,
+                             const struct raster_object *o);
+
+/* triangle.c: draws one triangle into the tile's surface. In: vertices counter-clockwise as the scene says. `small`: all
+ * coordinates within +-SMALL_EXTENT of each other and of the tile, perspective negligible. */
+void raster_draw_triangle(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
+                          const struct raster_vertex *c, uint32_t slot, bool small, struct raster_stats *stats);
+
+/* shade.c: shades every pixel of the rectangle that has a slot. final: writes finished pixels in the frame's format
+ * from the start of the surface; otherwise leaves colours in the surface and frees all slots. */
+void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, bool final,
+                       struct raster_stats *stats);
+
+/* phong.c: adds one light's reflected radiance to a batch of pixels. Returns pixel-lights evaluated. */
+uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene_material *m,
+                                      const struct raster_light *light);
+
+/* tone.c: exposed linear radiance to display bytes, 0x00BBGGRR. */
+uint32_t raster_tone(const uq12_20_t radiance[3], uint8_t tone_curve);
+
+#endif

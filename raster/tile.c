@@ -1,0 +1,93 @@
+/*
+ * One tile: transform and draw its meshlets, then shade what is visible.
+ */
+#include "internal.h"
+
+static void clear_surface(struct raster_tile *t)
+{
+    for (uint32_t i = 0; i < RASTER_TILE_PIXELS; i++)
+        t->surface[i] = (struct raster_surface){0, 0};
+}
+
+/* What shading needs of a meshlet: its frame's axes in eye space, Q14. |sums| <= sqrt(3) * 2^28. */
+static void slot_setup(struct raster_slot *s, const struct raster_object *o, const struct scene_meshlet *m)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            int32_t sum = o->rotation[3 * i] * m->frame[3 * j] + o->rotation[3 * i + 1] * m->frame[3 * j + 1] +
+                          o->rotation[3 * i + 2] * m->frame[3 * j + 2];
+            s->frame[3 * i + j] = (int16_t)((sum + (1 << 13)) >> 14);
+        }
+    s->material = o->material;
+}
+
+/* A triangle that reaches behind the near plane or out of the guard band: its clipped polygon as a fan. */
+static void draw_clipped(struct raster_tile *t, const struct raster_object *o, const struct scene_triangle *tri,
+                         unsigned codes, int32_t centre_x2, int32_t centre_y2, uint32_t slot,
+                         struct raster_stats *stats)
+{
+    struct raster_clip_vertex p[CLIP_MAX_VERTICES];
+    struct raster_vertex v[CLIP_MAX_VERTICES];
+    for (unsigned i = 0; i < 3; i++)
+        p[i] = t->clip[tri->v[i]];
+    unsigned count = raster_clip_polygon(p, 3, codes, o);
+    for (unsigned i = 0; i < count; i++)
+        raster_project(&v[i], o, &p[i], centre_x2, centre_y2);
+    for (unsigned i = 2; i < count; i++)
+        raster_draw_triangle(t, &v[0], &v[i - 1], &v[i], slot, false, stats);
+}
+
+static void draw_meshlet(const struct raster *r, struct raster_tile *t, const struct raster_visible *visible,
+                         uint32_t slot, int32_t centre_x2, int32_t centre_y2, struct raster_stats *stats)
+{
+    const struct scene *s = r->frame.scene;
+    const struct raster_object *o = &r->objects[visible->object];
+    const struct scene_meshlet *m = &s->meshlets[visible->meshlet];
+    const struct scene_vertex *vertex = s->vertices + m->vertex_first;
+    const struct scene_triangle *triangle = s->triangles + m->triangle_first;
+    bool small = visible->flags & VISIBLE_SMALL;
+    uint8_t code[SCENE_MESHLET_MAX_VERTICES];
+
+    slot_setup(&t->slots[slot], o, m);
+    for (unsigned i = 0; i < m->vertex_count; i++) {
+        raster_transform(&t->clip[i], o, &vertex[i]);
+        code[i] = small ? 0 : (uint8_t)raster_clip_code(o, &t->clip[i]);
+        if (!code[i])
+            raster_project(&t->vertices[i], o, &t->clip[i], centre_x2, centre_y2);
+    }
+    for (unsigned i = 0; i < m->triangle_count; i++) {
+        const uint8_t *v = triangle[i].v;
+        unsigned all = code[v[0]] & code[v[1]] & code[v[2]], any = code[v[0]] | code[v[1]] | code[v[2]];
+        if (!any)
+            raster_draw_triangle(t, &t->vertices[v[0]], &t->vertices[v[1]], &t->vertices[v[2]], slot, small, stats);
+        else if (!all)
+            draw_clipped(t, o, &triangle[i], any, centre_x2, centre_y2, slot, stats);
+    }
+}
+
+void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
+                        struct raster_stats *stats)
+{
+    uint32_t x = index % r->tiles_x * RASTER_TILE_WIDTH, y = index / r->tiles_x * RASTER_TILE_HEIGHT;
+    uint32_t right = r->frame.width - x, below = r->frame.height - y;
+    *rect = (struct raster_rect){(uint16_t)x, (uint16_t)y,
+                                 (uint16_t)(right < RASTER_TILE_WIDTH ? right : RASTER_TILE_WIDTH),
+                                 (uint16_t)(below < RASTER_TILE_HEIGHT ? below : RASTER_TILE_HEIGHT)};
+    *stats = (struct raster_stats){0};
+    clear_surface(work);
+    /* The picture's centre from the tile's corner in 1/512 px, plus one to round to nearest. */
+    int32_t centre_x2 = r->frame.width * 256 - (int32_t)x * 512 + 1;
+    int32_t centre_y2 = r->frame.height * 256 - (int32_t)y * 512 + 1;
+    uint32_t slot = 0;
+    for (uint32_t node = r->heads[index]; node;) {
+        const struct raster_node *n = r->nodes - node;
+        if (slot == 255) { /* all slots taken: shade what is visible so far and go on */
+            raster_shade_tile(r, work, rect, false, stats);
+            slot = 0;
+        }
+        draw_meshlet(r, work, &r->visible[n->visible], ++slot, centre_x2, centre_y2, stats);
+        stats->meshlets++;
+        node = n->next;
+    }
+    raster_shade_tile(r, work, rect, true, stats);
+}
