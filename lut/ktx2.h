@@ -10,7 +10,7 @@
 
 enum lut_status {
     LUT_OK = 0,
-    LUT_ERR_TRUNCATED,   /* shorter than its own header, index or data say */
+    LUT_ERR_TRUNCATED,   /* shorter, or longer, than its own header and level index say */
     LUT_ERR_ALIGNMENT,   /* the buffer is not 4-aligned */
     LUT_ERR_IDENTIFIER,  /* not KTX 2.0 */
     LUT_ERR_FORMAT,      /* vkFormat, typeSize or supercompression other than what section "Table file" of SPEC.md says */
@@ -18,8 +18,8 @@ enum lut_status {
     LUT_ERR_DESCRIPTOR,  /* data format descriptor differs from the one SPEC.md gives */
     LUT_ERR_KEY_VALUES,  /* key/value data malformed */
     LUT_ERR_KIND,        /* goniotile.kind missing or unknown */
-    LUT_ERR_VERSION,     /* goniotile.version newer than this reader */
-    LUT_ERR_AXES,        /* goniotile.* metadata inconsistent with the dimensions or out of range */
+    LUT_ERR_VERSION,     /* goniotile.version missing or newer than this reader */
+    LUT_ERR_AXES,        /* goniotile.* metadata missing, out of range or inconsistent with the dimensions */
     LUT_STATUS_COUNT
 };
 
@@ -35,12 +35,14 @@ struct ktx2_view {
 
 /* Largest extent accepted on any axis; the product of all three is at most 2^24 texels (64 MB). */
 #define KTX2_MAX_EXTENT 4096u
+#define KTX2_MAX_TEXELS (1u << 24)
 
-/* Validates and fills *out (untouched on error). In: file of `bytes` bytes, 4-aligned, stays owned by the
- * caller and must outlive the view. */
+/* Validates and fills *out (untouched on error). In: file of exactly `bytes` bytes, 4-aligned, stays owned by the
+ * caller and must outlive the view. No texel is read. */
 enum lut_status ktx2_open(struct ktx2_view *out, const void *file, size_t bytes);
 
-/* Value bytes of a key in an opened view, or NULL. *bytes excludes a terminating NUL if there is one. */
+/* Value bytes of a key in an opened view, or NULL; of duplicates the first. *bytes excludes a terminating NUL if
+ * there is one. */
 const uint8_t *ktx2_find(const struct ktx2_view *v, const char *key, uint32_t *bytes);
 
 #endif

@@ -20,19 +20,22 @@ struct lut_table {
     enum lut_kind kind;
     const uint32_t *texels;
     uint32_t width, height, depth; /* phi_d, theta_d, theta_in nodes; width, height >= 2, depth >= 1 */
-    uint32_t slice_scale; /* (depth-1) / theta_max: slice coordinate = angle * slice_scale >> 32, see specular_frame.c */
+    uint32_t slice_scale; /* slice coordinate, 12 fraction bits = angle * slice_scale >> 32, 180 degrees = 2^28 */
 };
 
 /* Opens a table. In: `file` of `bytes` bytes, 4-aligned, owned by the caller, must outlive *out. On error *out is
  * untouched. No texel is read. Metadata read: goniotile.version, goniotile.kind, goniotile.theta_max
- * (thousandths of a degree, 1..90000); see SPEC.md. */
+ * (thousandths of a degree, 1..90000, slices at least 3 apart); see SPEC.md. */
 enum lut_status lut_open(struct lut_table *out, const void *file, size_t bytes);
 
 /*
- * f(l,v) * (n.l), in 1/sr. In: n, l, v unit vectors (|length - 32768| <= 64), any orientation.
+ * f(l,v) * (n.l), in 1/sr. In: n, l, v unit vectors, any orientation. Accuracy is stated for components rounded
+ * to the nearest q17_15_t (SPEC.md, "Table evaluation"); any components up to 32768 + 64 in magnitude are safe.
  * Out: *out with mantissas below 2^21 and shared exponent; all zero when n.l <= 0 or n.v <= 0.
- * Overflow and rounding: products are Q30 in int32 (see fixed.h); interpolation uses 12-bit fractions on mantissas
- * aligned to the largest exponent of the taps with 10 guard bits, rounded to nearest at each of three steps.
+ * Overflow and rounding: n.l is taken as at most 1; interpolation uses 12-bit fractions and eight weights that sum
+ * to exactly 2^20, each shifted down to the largest exponent of the taps; the result is rounded to nearest. Equal
+ * texels are reproduced exactly. Texels must be normalised (what encoders write): a large exponent with small
+ * mantissas costs its neighbours precision.
  * l parallel to n: phi_d is arbitrary; the first slice of a well-made table is constant over phi.
  * theta_in beyond the last slice clamps. Returns the number of texels fetched (0 or 8).
  */

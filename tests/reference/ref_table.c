@@ -119,6 +119,21 @@ static unsigned cell_find(double *fraction, double x, unsigned nodes)
     return i;
 }
 
+/* Largest channel from one node below the cell to one above it; phi_d wraps. */
+static double largest_around(const struct ref_table *t, const unsigned cell[3])
+{
+    double largest = 0;
+    for (unsigned i = 0; i < 64; i++) {
+        long x = (long)cell[0] - 1 + (i & 3), y = (long)cell[1] - 1 + (i >> 2 & 3), z = (long)cell[2] - 1 + (i >> 4);
+        x = (x + (long)t->width - 1) % ((long)t->width - 1);
+        if (y >= 0 && y < (long)t->height && z >= 0 && z < (long)t->depth) {
+            const float *texel = t->texels[((size_t)z * t->height + (size_t)y) * t->width + (size_t)x];
+            largest = fmax(largest, fmax(texel[0], fmax(texel[1], texel[2])));
+        }
+    }
+    return largest;
+}
+
 double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_in[3], const double l_in[3],
                       const double v_in[3])
 {
@@ -153,12 +168,12 @@ double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_i
     double phi_d = atan2(omega[1], omega[0]), theta_d = atan2(hypot(omega[0], omega[1]), omega[2]);
     phi_d = phi_d < 0 ? phi_d + 2 * pi : phi_d;
 
-    double f[3], largest = 0;
+    const unsigned size[3] = {t->width, t->height, t->depth};
+    double f[3];
     unsigned cell[3] = {cell_find(&f[0], phi_d / (2 * pi) * (t->width - 1), t->width),
                         cell_find(&f[1], theta_d / pi * (t->height - 1), t->height),
                         cell_find(&f[2], theta_in / t->theta_max * (t->depth - 1), t->depth)};
     for (unsigned tap = 0; tap < 8; tap++) {
-        const unsigned size[3] = {t->width, t->height, t->depth};
         unsigned at[3];
         double weight = 1;
         for (int a = 0; a < 3; a++) {
@@ -166,11 +181,9 @@ double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_i
             at[a] = upper && cell[a] + 1 < size[a] ? cell[a] + 1 : cell[a];
             weight *= upper ? f[a] : 1 - f[a];
         }
-        const float *texel = t->texels[((size_t)at[2] * t->height + at[1]) * t->width + at[0]];
         for (int k = 0; k < 3; k++) {
-            rgb[k] += weight * texel[k] * nl;
-            largest = fmax(largest, texel[k] * nl);
+            rgb[k] += weight * t->texels[((size_t)at[2] * t->height + at[1]) * t->width + at[0]][k] * nl;
         }
     }
-    return largest;
+    return largest_around(t, cell);
 }

@@ -19,7 +19,8 @@ struct ref_table *ref_table_open(const void *bytes, size_t n);
 void ref_table_free(struct ref_table *t);
 
 /* f(l,v) * (n.l) in 1/sr, zero when n.l <= 0 or n.v <= 0. n, l, v of any length but 0 (normalised here).
- * Returns the largest channel of the eight nodes around the direction times n.l: what errors are scaled by. */
+ * Returns the largest channel of f over the nodes of the direction's cell and of the cells around it, which is what
+ * errors of interpolation scale with; 0 together with rgb. */
 double ref_table_eval(double rgb[3], const struct ref_table *t, const double n[3], const double l[3],
                       const double v[3]);
 

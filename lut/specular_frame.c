@@ -1,0 +1,128 @@
+/*
+ * The specular-frame table (Cezner and Havran 2024, eqs. 14-16), in integers and without a tangent frame.
+ *
+ * With r = 2 (n.l)/(n.n) n - l, the mirror direction of l, and t = n x l, |t| = sin(theta_in), the paper's rotated view
+ * direction S v has the components (v.(r x t), -(v.t)) / |t| in the plane across r and v.r along it. Hence
+ * theta_d follows from |v - r|, and phi_d from the first two, whose common factor cancels. All differences are
+ * taken between vectors, before squaring, so that small angles keep their bits.
+ */
+#include "func.h"
+#include "lut.h"
+
+struct coordinates { /* 180 degrees = 2^28, a full turn of phi_d = 2^28 */
+    uint32_t phi_d, theta_d, theta_in;
+};
+
+/* Wrapping products and sums: equal to fx_dot for unit vectors, and defined for any others. */
+static int32_t dot_wrapping(struct vec3 a, struct vec3 b)
+{
+    return (int32_t)((uint32_t)(a.x * b.x) + (uint32_t)(a.y * b.y) + (uint32_t)(a.z * b.z));
+}
+
+static int32_t cross_wrapping(int32_t a, int32_t b, int32_t c, int32_t d)
+{
+    return (int32_t)((uint32_t)(a * b) - (uint32_t)(c * d));
+}
+
+static int64_t dot64(struct vec3 a, struct vec3 b)
+{
+    return (int64_t)a.x * b.x + (int64_t)a.y * b.y + (int64_t)a.z * b.z;
+}
+
+/* In: |component| <= 2^20. Out: |a|^2 / 4 with 1.0 = 2^30 for a with 1.0 = 2^17. */
+static uint32_t quarter_square(int32_t x, int32_t y, int32_t z)
+{
+    struct vec3 a = {x, y, z};
+    return (uint32_t)(dot64(a, a) >> 6);
+}
+
+static void coordinates_find(struct coordinates *out, int32_t nl, struct vec3 n, struct vec3 l, struct vec3 v)
+{
+    /* n.l / n.n, by 1/x = 2 - x near 1: a normal's length error would otherwise count fourfold in r */
+    int32_t q = (int32_t)(((int64_t)nl * (int32_t)((1u << 31) - (uint32_t)dot_wrapping(n, n))) >> 30);
+    /* r, 1.0 = 2^17: q 2^30 * n 2^15 * 2^5 / 2^32 = 2 q n / 2 * 2^18; |component| < 2^20 for any q */
+    struct vec3 r = {fx_mulhi(q, n.x * 32) - l.x * 4, fx_mulhi(q, n.y * 32) - l.y * 4, fx_mulhi(q, n.z * 32) - l.z * 4};
+    uint32_t s2 = quarter_square(v.x * 4 - r.x, v.y * 4 - r.y, v.z * 4 - r.z);
+    if (s2 <= 1u << 29) {
+        out->theta_d = lut_angle_from_sin2_half(s2);
+    } else {
+        s2 = quarter_square(v.x * 4 + r.x, v.y * 4 + r.y, v.z * 4 + r.z);
+        out->theta_d = (1u << 28) - lut_angle_from_sin2_half(s2);
+    }
+    out->theta_in = lut_angle_from_sin2_half(quarter_square((n.x - l.x) * 4, (n.y - l.y) * 4, (n.z - l.z) * 4));
+
+    struct vec3 t = {cross_wrapping(n.y, l.z, n.z, l.y), cross_wrapping(n.z, l.x, n.x, l.z),
+                     cross_wrapping(n.x, l.y, n.y, l.x)}; /* 1.0 = 2^30 */
+    struct vec3 u = {(int32_t)(((int64_t)r.y * t.z - (int64_t)r.z * t.y) >> 17),
+                     (int32_t)(((int64_t)r.z * t.x - (int64_t)r.x * t.z) >> 17),
+                     (int32_t)(((int64_t)r.x * t.y - (int64_t)r.y * t.x) >> 17)}; /* r x t, 1.0 = 2^30 */
+    /* 1.0 = 2^30: within int32 for unit vectors, lut_turn takes anything for others */
+    out->phi_d = lut_turn((int32_t)(-dot64(v, t) >> 15), (int32_t)(dot64(v, u) >> 15));
+}
+
+/* The cell of a coordinate with 12 fraction bits: lower node, distance to the upper node (0 at the last node),
+ * weight of the upper node. */
+struct cell {
+    uint32_t node, step, fraction;
+};
+
+static struct cell cell_find(uint32_t x, uint32_t nodes)
+{
+    uint32_t last = (nodes - 1) << 12;
+    if (x >= last) {
+        return (struct cell){nodes - 1, 0, 0};
+    }
+    return (struct cell){x >> 12, 1, x & 4095};
+}
+
+/* Eight weights that sum to exactly 2^20, x fastest. Products are at most 2^20 * 4095 + 2^11 < 2^32. */
+static void weights_find(uint32_t w[8], uint32_t fx, uint32_t fy, uint32_t fz)
+{
+    w[4] = fz << 8;
+    w[0] = (1u << 20) - w[4];
+    for (int i = 0; i < 8; i += 4) {
+        w[i + 2] = (w[i] * fy + 2048) >> 12;
+        w[i] -= w[i + 2];
+    }
+    for (int i = 0; i < 8; i += 2) {
+        w[i + 1] = (w[i] * fx + 2048) >> 12;
+        w[i] -= w[i + 1];
+    }
+}
+
+unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
+{
+    struct coordinates at;
+    uint32_t w[8], texel[8], largest = 0, sum[3] = {0, 0, 0};
+    int32_t nl = dot_wrapping(n, l);
+    if (nl <= 0 || dot_wrapping(n, v) <= 0) {
+        *out = (struct lut_rgb){{0, 0, 0}, 0};
+        return 0;
+    }
+    coordinates_find(&at, nl, n, l, v);
+
+    /* angle 2^28 * (nodes-1) 2^16 / 2^32 = coordinate 2^12; nodes <= 2^12 */
+    struct cell x = cell_find(fx_mulhi_u(at.phi_d, (t->width - 1) << 16), t->width);
+    struct cell y = cell_find(fx_mulhi_u(at.theta_d, (t->height - 1) << 16), t->height);
+    struct cell z = cell_find(fx_mulhi_u(at.theta_in, t->slice_scale), t->depth);
+    weights_find(w, x.fraction, y.fraction, z.fraction);
+    const uint32_t *first = t->texels + (z.node * t->height + y.node) * t->width + x.node; /* < 2^24 */
+    uint32_t row = y.step * t->width, slice = z.step * t->width * t->height;
+    for (uint32_t i = 0; i < 8; i++) {
+        texel[i] = first[(i & 1 ? x.step : 0) + (i & 2 ? row : 0) + (i & 4 ? slice : 0)];
+        largest = texel[i] >> 27 > largest ? texel[i] >> 27 : largest;
+    }
+    for (int i = 0; i < 8; i++) {
+        struct lut_rgb m = lut_rgb9e5_decode(texel[i]);
+        uint32_t weight = w[i] >> (largest - (texel[i] >> 27));
+        sum[0] += m.c[0] * weight;
+        sum[1] += m.c[1] * weight;
+        sum[2] += m.c[2] * weight; /* <= 511 * 2^20 */
+    }
+    uint32_t cosine = (uint32_t)fx_min(nl, 1 << 30);
+    for (int i = 0; i < 3; i++) {
+        out->c[i] = (fx_mulhi_u(sum[i], cosine) + 32) >> 6; /* <= 511 * 2^12 */
+    }
+    out->e = (int32_t)largest - 24 - 12;
+    return 8;
+}
