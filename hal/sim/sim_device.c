@@ -1,7 +1,5 @@
 #include "sim_device.h"
 
-#include "crc32.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -128,6 +126,18 @@ int sim_device_enumerate(struct sim_device *d, uint8_t descriptors[64])
     return n < 0 ? n : first + second;
 }
 
+/* CRC-32 of IEEE 802.3 by its definition. */
+static uint32_t crc32_of(const uint8_t *data, uint32_t bytes)
+{
+    uint32_t crc = 0xffffffffu;
+    for (uint32_t i = 0; i < bytes; i++) {
+        crc ^= data[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    return ~crc;
+}
+
 static bool message_send(struct sim_device *d, uint8_t type, const void *payload, uint32_t bytes)
 {
     uint8_t message[sizeof(struct usb_header) + USB_MAX_PAYLOAD];
@@ -179,7 +189,7 @@ bool sim_device_request(struct sim_device *d, uint8_t type, const void *payload,
 bool sim_device_push(struct sim_device *d, uint32_t slot, uint32_t kind, const void *data, uint32_t bytes,
                      struct usb_header *header)
 {
-    struct usb_begin begin = {slot, kind, bytes, crc32_update(0, data, bytes)};
+    struct usb_begin begin = {slot, kind, bytes, crc32_of(data, bytes)};
     bool ok = sim_device_request(d, USB_MSG_BEGIN, &begin, sizeof begin, header, NULL, 0);
     for (uint32_t at = 0; ok && header->status == USB_OK && at < bytes;) {
         uint32_t n = bytes - at < USB_MAX_DATA ? bytes - at : USB_MAX_DATA;
