@@ -1,0 +1,302 @@
+/*
+ * raster_draw_triangle against exact coverage and double-precision interpolation, triangle by triangle in a cleared
+ * tile: every pixel of the tile is decided by both.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "internal.h"
+#include "ref_coverage.h"
+
+enum { TILE_W = RASTER_TILE_WIDTH, TILE_H = RASTER_TILE_HEIGHT };
+enum { GUARD = 256 << GUARD_BITS, CENTRE_MAX = 256 * 2048 };
+
+static struct raster_tile tile;
+static uint64_t random_state = 1;
+static long decisions, covered_pixels, triangles;
+static double worst_depth, worst_normal;
+
+static uint32_t random32(void)
+{
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(random_state >> 32);
+}
+
+/* lo..hi */
+static int32_t random_in(int32_t lo, int32_t hi)
+{
+    return lo + (int32_t)(((uint64_t)random32() * (uint32_t)(hi - lo + 1)) >> 32);
+}
+
+static void draw(const int32_t v[3][2], bool small, const struct raster_vertex attributes[3])
+{
+    struct raster_stats stats = {0};
+    struct raster_vertex p[3];
+    for (int i = 0; i < 3; i++) {
+        p[i] = attributes[i];
+        p[i].x = v[i][0];
+        p[i].y = v[i][1];
+    }
+    memset(tile.surface, 0, sizeof tile.surface);
+    raster_draw_triangle(&tile, &p[0], &p[1], &p[2], 1, small, &stats);
+}
+
+/* How far the surface is from linear depth and perspective-correct normals at a covered pixel. */
+static void measure(const struct raster_surface *s, const double weight[3], const struct raster_vertex a[3], bool small)
+{
+    double inv_w = 0, u = 0, v = 0;
+    for (int i = 0; i < 3; i++) {
+        double k = weight[i] * a[i].inv_w;
+        inv_w += k;
+        u += k * a[i].u;
+        v += k * a[i].v;
+    }
+    (void)small;
+    double depth = fabs((double)(s->depth_slot >> 8) - DEPTH_BIAS - inv_w);
+    double du = fabs((int16_t)(s->normal & 0xffff) - u / inv_w), dv = fabs((int16_t)(s->normal >> 16) - v / inv_w);
+    worst_depth = fmax(worst_depth, depth);
+    worst_normal = fmax(worst_normal, fmax(du, dv));
+}
+
+/* Draws and compares; counts of mismatching pixels are failures. */
+static void check_with(const int32_t v[3][2], bool small, const struct raster_vertex attributes[3])
+{
+    struct ref_triangle t;
+    ref_triangle_setup(&t, v);
+    draw(v, small, attributes);
+    triangles++;
+    for (int y = 0; y < TILE_H; y++)
+        for (int x = 0; x < TILE_W; x++) {
+            const struct raster_surface *s = &tile.surface[y * TILE_W + x];
+            bool drawn = s->depth_slot != 0, expected = ref_triangle_covers(&t, x, y);
+            decisions++;
+            covered_pixels += expected;
+            if (drawn != expected || (drawn && (s->depth_slot & 255) != 1))
+                fail_msg("pixel (%d, %d) %s: (%d, %d) (%d, %d) (%d, %d) %s path", x, y,
+                         expected ? "is not drawn" : "must not be drawn", v[0][0], v[0][1], v[1][0], v[1][1], v[2][0],
+                         v[2][1], small ? "small" : "general");
+            if (drawn) {
+                double weight[3];
+                ref_triangle_weights(weight, &t, x, y);
+                measure(s, weight, attributes, small);
+            }
+        }
+}
+
+static const struct raster_vertex flat[3] = {{.inv_w = 1 << 20}, {.inv_w = 1 << 20}, {.inv_w = 1 << 20}};
+
+static bool is_small(const int32_t v[3][2])
+{
+    for (int j = 0; j < 2; j++) {
+        int32_t size = 256 * (j ? TILE_H : TILE_W);
+        int32_t lo = fx_min(fx_min(v[0][j], v[1][j]), v[2][j]), hi = fx_max(fx_max(v[0][j], v[1][j]), v[2][j]);
+        if (hi - lo >= SMALL_EXTENT || lo <= -SMALL_EXTENT || hi >= size + SMALL_EXTENT)
+            return false;
+    }
+    return true;
+}
+
+/* Both windings and every path that may draw it. */
+static void check(const int32_t v[3][2])
+{
+    int32_t back[3][2];
+    memcpy(back[0], v[2], sizeof back[0]);
+    memcpy(back[1], v[1], sizeof back[1]);
+    memcpy(back[2], v[0], sizeof back[2]);
+    check_with(v, false, flat);
+    check_with((const int32_t(*)[2])back, false, flat);
+    if (is_small(v)) {
+        check_with(v, true, flat);
+        check_with((const int32_t(*)[2])back, true, flat);
+    }
+}
+
+static void begin(uint64_t seed)
+{
+    random_state = seed;
+    decisions = covered_pixels = triangles = 0;
+    worst_depth = worst_normal = 0;
+}
+
+static void end(const char *what)
+{
+    print_message("# %s: %ld triangles, %ld pixels decided, %ld covered\n", what, triangles, decisions, covered_pixels);
+    assert_true(covered_pixels > 0);
+}
+
+/* A vertex near the tile, on whole 2^-fraction pixels, half a pixel off: fraction 0 puts it on pixel centres. */
+static void random_near(int32_t v[2], int32_t margin, int fraction)
+{
+    int32_t step = 256 >> fraction;
+    v[0] = random_in(-margin / step, (256 * TILE_W + margin) / step) * step + 128;
+    v[1] = random_in(-margin / step, (256 * TILE_H + margin) / step) * step + 128;
+}
+
+static void triangles_of_every_small_size_cover_exactly(void **state)
+{
+    (void)state;
+    begin(2);
+    for (int n = 0; n < 12000; n++) {
+        int32_t v[3][2], extent = (SMALL_EXTENT - 1) >> random_in(0, 13);
+        random_near(v[0], 2048, random_in(0, 8));
+        for (int i = 1; i < 3; i++)
+            for (int j = 0; j < 2; j++)
+                v[i][j] = v[0][j] + random_in(-extent / 2, extent / 2);
+        check(v);
+    }
+    end("small");
+}
+
+static void triangles_across_the_guard_band_cover_exactly(void **state)
+{
+    (void)state;
+    begin(3);
+    for (int n = 0; n < 12000; n++) {
+        int32_t v[3][2], centre[2], extent = GUARD >> random_in(0, 6);
+        for (int j = 0; j < 2; j++)
+            centre[j] = random_in(-CENTRE_MAX, CENTRE_MAX);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 2; j++) {
+                int32_t x = n & 1 ? random_in(-extent, extent) + (256 * (j ? TILE_H : TILE_W) / 2)
+                                  : centre[j] + (random_in(0, 3)   ? random_in(-GUARD, GUARD)
+                                                 : random_in(0, 1) ? GUARD
+                                                                   : -GUARD);
+                v[i][j] = fx_clamp(x, centre[j] - GUARD, centre[j] + GUARD);
+            }
+        check((const int32_t(*)[2])v);
+    }
+    end("guard band");
+}
+
+static void vertices_on_pixel_centres_cover_exactly(void **state)
+{
+    (void)state;
+    begin(4);
+    for (int n = 0; n < 8000; n++) {
+        int32_t v[3][2];
+        for (int i = 0; i < 3; i++)
+            random_near(v[i], n & 1 ? 256 : 4096, 0);
+        if (n & 2) /* edges along an axis, where ties are all along */
+            v[1][0] = v[0][0];
+        if (n & 4)
+            v[2][1] = v[0][1];
+        if (n & 8) /* and along a diagonal */
+            v[1][1] = v[0][1] + (v[1][0] - v[0][0]);
+        check((const int32_t(*)[2])v);
+    }
+    /* Every triangle on a 4 x 4 lattice of pixel centres and corners. */
+    for (int code = 0; code < 1 << 12; code++) {
+        int32_t v[3][2];
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 2; j++)
+                v[i][j] = 1024 + 128 * (code >> (4 * i + 2 * j) & 3);
+        check((const int32_t(*)[2])v);
+    }
+    end("pixel centres");
+}
+
+static void slivers_cover_exactly(void **state)
+{
+    (void)state;
+    begin(5);
+    for (int n = 0; n < 10000; n++) {
+        int32_t v[3][2], margin = n & 1 ? 2048 : GUARD / 2;
+        random_near(v[0], margin, 8);
+        random_near(v[1], margin, 8);
+        int32_t t = random_in(0, 256), off = 1 << random_in(0, 6);
+        for (int j = 0; j < 2; j++) /* near the line, within it or beyond an end */
+            v[2][j] =
+                v[0][j] + (int32_t)(((int64_t)(v[1][j] - v[0][j]) * (n & 2 ? t : 256)) >> 8) + random_in(-off, off);
+        check((const int32_t(*)[2])v);
+    }
+    end("slivers");
+}
+
+static void triangles_without_area_draw_nothing(void **state)
+{
+    (void)state;
+    begin(6);
+    for (int n = 0; n < 2000; n++) {
+        int32_t v[3][2], k = random_in(-3, 3);
+        random_near(v[0], 512, n & 1 ? 0 : 8);
+        random_near(v[1], 512, n & 1 ? 0 : 8);
+        for (int j = 0; j < 2; j++)
+            v[2][j] = v[0][j] + k * (v[1][j] - v[0][j]);
+        check((const int32_t(*)[2])v);
+    }
+    assert_int_equal(covered_pixels, 0);
+    assert_true(decisions > 0);
+}
+
+enum { GRID = 9 };
+
+/* Draws the triangles one by one and counts how often each pixel is drawn. */
+static void count_grid(int count[TILE_H][TILE_W], int32_t grid[GRID][GRID][2])
+{
+    memset(count, 0, sizeof(int[TILE_H][TILE_W]));
+    for (int k = 0; k < 2 * (GRID - 1) * (GRID - 1); k++) {
+        int r = k / 2 / (GRID - 1), c = k / 2 % (GRID - 1);
+        const int32_t *a = grid[r][c], *b = grid[r + 1][c], *d = grid[r + 1][c + 1], *e = grid[r][c + 1];
+        const int32_t *corner[4][3] = {{a, b, d}, {a, d, e}, {a, b, e}, {b, d, e}}; /* either diagonal */
+        int32_t v[3][2];
+        for (int i = 0; i < 3; i++)
+            memcpy(v[i], corner[2 * ((r + c) & 1) + (k & 1)][i], sizeof v[i]);
+        draw((const int32_t(*)[2])v, is_small((const int32_t(*)[2])v) && random_in(0, 1), flat);
+        for (int i = 0; i < TILE_W * TILE_H; i++)
+            count[i / TILE_W][i % TILE_W] += tile.surface[i].depth_slot != 0;
+    }
+}
+
+/* A rectangle of quads whose inner vertices are jittered by less than half a quad and whose outer ones move along the
+ * border: no triangle is turned over, and a pixel of the rectangle belongs to exactly one. */
+static void meshes_cover_every_pixel_once(void **state)
+{
+    (void)state;
+    begin(7);
+    for (int n = 0; n < 150; n++) {
+        static int count[TILE_H][TILE_W];
+        int32_t grid[GRID][GRID][2], lo[2], step[2];
+        for (int j = 0; j < 2; j++) {
+            int scale = n % 3 == 0 ? 64 : n % 3 == 1 ? 1 << random_in(4, 10) : 256 * 1000;
+            step[j] = random_in(scale / 2 + 8, scale);
+            lo[j] = random_in(-4 * step[j], 256 * (j ? TILE_H : TILE_W) - 4 * step[j]);
+        }
+        for (int r = 0; r < GRID; r++)
+            for (int c = 0; c < GRID; c++)
+                for (int j = 0; j < 2; j++) {
+                    int at = j ? r : c;
+                    int32_t jitter = at == 0 || at == GRID - 1 ? 0 : step[j] / 4 - 1;
+                    grid[r][c][j] = lo[j] + at * step[j] + random_in(-jitter, jitter);
+                }
+        count_grid(count, grid);
+        for (int y = 0; y < TILE_H; y++)
+            for (int x = 0; x < TILE_W; x++) {
+                int px = 256 * x + 128, py = 256 * y + 128;
+                int inside = px >= lo[0] && px < lo[0] + (GRID - 1) * step[0] && py >= lo[1] &&
+                             py < lo[1] + (GRID - 1) * step[1];
+                decisions++;
+                covered_pixels += inside;
+                if (count[y][x] != inside)
+                    fail_msg("mesh %d: pixel (%d, %d) is drawn %d times, not %d", n, x, y, count[y][x], inside);
+            }
+    }
+    end("meshes");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(triangles_of_every_small_size_cover_exactly),
+        cmocka_unit_test(triangles_across_the_guard_band_cover_exactly),
+        cmocka_unit_test(vertices_on_pixel_centres_cover_exactly),
+        cmocka_unit_test(slivers_cover_exactly),
+        cmocka_unit_test(triangles_without_area_draw_nothing),
+        cmocka_unit_test(meshes_cover_every_pixel_once),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
