@@ -17,10 +17,9 @@
 static const char help[] =
     "usage: gtlut build FILE -o out.ktx2 [options]\n"
     "\n"
-    "Resamples a measurement file (gtlut import) or CSV on a regular grid to a specular-frame table, KTX 2.0 with "
-    "RGB9_E5\n"
-    "texels. Slices are the measured theta_in, which must start at 0 in equal steps; a single slice serves all "
-    "angles.\n"
+    "Resamples a measurement file (gtlut import) or CSV on a regular grid to a specular-frame table: KTX 2.0 with\n"
+    "RGB9_E5 texels. Slices are the measured theta_in, which must start at 0 in equal steps; a single slice serves\n"
+    "all angles.\n"
     "\n"
     "  -o FILE      the table, - for stdout\n"
     "  --size WxH   nodes over phi_d (0..360 degrees) and theta_d (0..180); default 361x181, each 2..4096\n"

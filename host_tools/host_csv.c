@@ -38,20 +38,19 @@ static void parse_header(struct csv *c, char *line)
     for (char *rest = line; rest; c->columns++) {
         char *name = next_cell(&rest);
         if (c->columns == MAX_COLUMNS)
-            die(EXIT_BAD_INPUT, "%s:%zu: more than %d columns; keep theta_in,theta_out,phi_out,R,G,B",
-                c->path, c->line, MAX_COLUMNS);
+            die(EXIT_BAD_INPUT, "%s:%zu: more than %d columns; keep theta_in,theta_out,phi_out,R,G,B", c->path, c->line,
+                MAX_COLUMNS);
         int f = 0;
         while (f < FIELDS && strcmp(name, field_names[f]))
             f++;
         c->field[c->columns] = f;
         if (f == IGNORED) {
-            warn("%s:%zu: column '%.40s' is not one of theta_in,theta_out,phi_out,R,G,B: ignored", c->path,
-                 c->line, name);
+            warn("%s:%zu: column '%.40s' is not one of theta_in,theta_out,phi_out,R,G,B: ignored", c->path, c->line,
+                 name);
             continue;
         }
         if (seen >> f & 1)
-            die(EXIT_BAD_INPUT, "%s:%zu: column %s appears twice; name each once", c->path, c->line,
-                field_names[f]);
+            die(EXIT_BAD_INPUT, "%s:%zu: column %s appears twice; name each once", c->path, c->line, field_names[f]);
         seen |= 1u << f;
     }
     for (int f = 0; f < FIELDS; f++)
@@ -73,8 +72,8 @@ static void check_angle(const struct csv *c, int f, double x)
 static double check_value(struct csv *c, int f, double x)
 {
     if (!(fabs(x) <= FLT_MAX))
-        die(EXIT_BAD_INPUT, "%s:%zu: %s is %g, not a finite number; repeat or remove that measurement",
-            c->path, c->line, field_names[f], x);
+        die(EXIT_BAD_INPUT, "%s:%zu: %s is %g, not a finite number; repeat or remove that measurement", c->path,
+            c->line, field_names[f], x);
     if (x >= 0)
         return x;
     if (!c->negative++)
@@ -93,24 +92,23 @@ static void parse_row(struct measurement *out, struct csv *c, char *line)
             continue;
         x[f] = strtod(cell, &end);
         if (end == cell || *end)
-            die(EXIT_BAD_INPUT, "%s:%zu: %s is '%.40s', not a number; write decimal numbers between commas",
-                c->path, c->line, field_names[f], cell);
+            die(EXIT_BAD_INPUT, "%s:%zu: %s is '%.40s', not a number; write decimal numbers between commas", c->path,
+                c->line, field_names[f], cell);
         if (f <= PHI_OUT)
             check_angle(c, f, x[f]);
         else
             x[f] = check_value(c, f, x[f]);
     }
     if (column != c->columns)
-        die(EXIT_BAD_INPUT, "%s:%zu: %d columns where the header names %d; complete the line", c->path,
-            c->line, column, c->columns);
+        die(EXIT_BAD_INPUT, "%s:%zu: %d columns where the header names %d; complete the line", c->path, c->line, column,
+            c->columns);
     double phi = x[PHI_OUT] < 0 ? x[PHI_OUT] + 360 : x[PHI_OUT];
     struct measurement_point point = {(float)x[THETA_IN],
                                       (float)x[THETA_OUT],
                                       (float)phi < 360 ? (float)phi : 0,
                                       {(float)x[RED], (float)x[GREEN], (float)x[BLUE]}};
     if (out->count == MEASUREMENT_MAX_POINTS)
-        die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", c->path, c->line,
-            MEASUREMENT_MAX_POINTS);
+        die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", c->path, c->line, MEASUREMENT_MAX_POINTS);
     measurement_add(out, &point);
 }
 
@@ -119,8 +117,7 @@ void csv_parse(struct measurement *out, const char *path, char *text, size_t byt
     struct csv c = {.path = path};
     const char *nul = memchr(text, 0, bytes);
     if (nul)
-        die(EXIT_BAD_INPUT, "%s: byte %zu is NUL; neither a measurement file nor CSV text", path,
-            (size_t)(nul - text));
+        die(EXIT_BAD_INPUT, "%s: byte %zu is NUL; neither a measurement file nor CSV text", path, (size_t)(nul - text));
     measurement_init(out, path);
     if (!strncmp(text, "\xef\xbb\xbf", 3)) /* UTF-8 byte order mark */
         text += 3;
@@ -140,9 +137,7 @@ void csv_parse(struct measurement *out, const char *path, char *text, size_t byt
             parse_header(&c, line);
     }
     if (!out->count)
-        die(EXIT_BAD_INPUT, "%s: no samples in %zu lines; give a header line and one line per direction",
-            path, c.line);
+        die(EXIT_BAD_INPUT, "%s: no samples in %zu lines; give a header line and one line per direction", path, c.line);
     if (c.negative)
-        warn("%s: %zu negative values set to 0, the first in line %zu", path, c.negative,
-             c.first_negative_line);
+        warn("%s: %zu negative values set to 0, the first in line %zu", path, c.negative, c.first_negative_line);
 }

@@ -29,9 +29,8 @@ static struct key *keys_sorted(const struct measurement *m)
     for (size_t i = 0; i < m->count; i++) {
         const struct measurement_point *p = &m->points[i];
         int32_t phi = (int32_t)lround(1e3 * (double)p->phi_out);
-        keys[i] =
-            (struct key){(int32_t)lround(1e3 * (double)p->theta_in),
-                         (int32_t)lround(1e3 * (double)p->theta_out), phi == 360000 ? 0 : phi, (uint32_t)i};
+        keys[i] = (struct key){(int32_t)lround(1e3 * (double)p->theta_in), (int32_t)lround(1e3 * (double)p->theta_out),
+                               phi == 360000 ? 0 : phi, (uint32_t)i};
     }
     qsort(keys, m->count, sizeof *keys, key_compare);
     return keys;
@@ -50,26 +49,24 @@ static void slice_check(const struct key *k, size_t count, size_t phi_count, con
                 1e-3 * k[i].theta_in, 1e-3 * k[i].theta_out, 1e-3 * k[i].phi);
         if (fabs(1e-3 * k[i].phi - want) > 1.6e-3 && row == k)
             die(EXIT_BAD_INPUT,
-                "%s: at theta_in %g, theta_out %g phi_out %g stands where %zu equal steps of a full turn "
-                "want %g; a table needs a "
-                "regular grid",
+                "%s: at theta_in %g, theta_out %g phi_out %g stands where %zu equal steps of a full turn want %g; a "
+                "table needs a regular grid",
                 path, 1e-3 * k[i].theta_in, 1e-3 * k[i].theta_out, 1e-3 * k[i].phi, phi_count, want);
         if (k[i].theta_out != row->theta_out || k[i].phi != first->phi)
             die(EXIT_BAD_INPUT,
-                "%s: at theta_in %g, theta_out %g the sample at phi_out %g is missing or extra; a table "
-                "needs a regular grid with "
-                "the same %zu azimuths in every row",
+                "%s: at theta_in %g, theta_out %g the sample at phi_out %g is missing or extra; every row needs the "
+                "first row's %zu azimuths",
                 path, 1e-3 * row->theta_in, 1e-3 * row->theta_out, 1e-3 * first->phi, phi_count);
     }
     if (count % phi_count)
         die(EXIT_BAD_INPUT,
-            "%s: at theta_in %g, theta_out %g has %zu azimuths where the first row has %zu; a table needs a "
-            "regular grid",
+            "%s: at theta_in %g, theta_out %g has %zu azimuths where the first row has %zu; a table needs a regular "
+            "grid",
             path, 1e-3 * k->theta_in, 1e-3 * k[count - 1].theta_out, count % phi_count, phi_count);
 }
 
-static void slice_make(struct measurement_slice *s, const struct measurement *m, const struct key *k,
-                       size_t count, const char *path)
+static void slice_make(struct measurement_slice *s, const struct measurement *m, const struct key *k, size_t count,
+                       const char *path)
 {
     size_t phi_count = 0;
     while (phi_count < count && k[phi_count].theta_out == k->theta_out)
@@ -104,9 +101,7 @@ void measurement_grid_make(struct measurement_grid *out, const struct measuremen
     for (size_t i = 0; i < out->count; i++) {
         double want = out->count > 1 ? last * (double)i / (double)(out->count - 1) : 0;
         if (fabs(out->slices[i].theta_in - want) > 1.6e-3)
-            die(EXIT_BAD_INPUT,
-                "%s: theta_in %g stands where equal steps from 0 to %g want %g; a table needs equal steps "
-                "from 0",
+            die(EXIT_BAD_INPUT, "%s: theta_in %g stands where equal steps from 0 to %g want %g; measure at equal steps",
                 path, out->slices[i].theta_in, last, want);
     }
 }
@@ -121,8 +116,7 @@ void measurement_grid_free(struct measurement_grid *g)
     memset(g, 0, sizeof *g);
 }
 
-void measurement_slice_value(double rgb[3], const struct measurement_slice *s, double theta_out,
-                             double phi_out)
+void measurement_slice_value(double rgb[3], const struct measurement_slice *s, double theta_out, double phi_out)
 {
     size_t lo = 0, hi = s->theta_count - 1;
     while (hi - lo > 1) {
@@ -132,8 +126,7 @@ void measurement_slice_value(double rgb[3], const struct measurement_slice *s, d
     double width = s->theta_out[hi] - s->theta_out[lo];
     double t = width > 0 ? fmin(fmax((theta_out - s->theta_out[lo]) / width, 0), 1) : 0;
 
-    double column = (phi_out - s->phi_first) * ((double)s->phi_count / 360), whole = floor(column),
-           u = column - whole;
+    double column = (phi_out - s->phi_first) * ((double)s->phi_count / 360), whole = floor(column), u = column - whole;
     long n = (long)s->phi_count, left = (long)whole % n;
     left += left < 0 ? n : 0;
     long right = left + 1 < n ? left + 1 : 0;

@@ -24,8 +24,7 @@ static void *shim_symbol(const char *name)
         const char *found = access(beside, R_OK) ? installed : beside;
         shim = dlopen(found, RTLD_NOW | RTLD_LOCAL);
         if (!shim)
-            die(EXIT_FILE, "image output needs OpenImageIO: %s; run `make` (or install libopenimageio)",
-                dlerror());
+            die(EXIT_FILE, "image output needs OpenImageIO: %s; run `make` (or install libopenimageio)", dlerror());
         free(beside);
         free(installed);
     }

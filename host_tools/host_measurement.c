@@ -101,8 +101,8 @@ bool measurement_recognise(const uint8_t *data, size_t bytes)
 
 static bool point_valid(const struct measurement_point *p)
 {
-    bool ok = p->theta_in >= 0 && p->theta_in < 90 && p->theta_out >= 0 && p->theta_out <= 90 &&
-              p->phi_out >= 0 && p->phi_out < 360;
+    bool ok = p->theta_in >= 0 && p->theta_in < 90 && p->theta_out >= 0 && p->theta_out <= 90 && p->phi_out >= 0 &&
+              p->phi_out < 360;
     for (int c = 0; c < 3; c++)
         ok = ok && p->rgb[c] >= 0 && p->rgb[c] <= FLT_MAX;
     return ok;
@@ -117,21 +117,20 @@ void measurement_parse(struct measurement *out, const char *path, const uint8_t 
         die(EXIT_BAD_INPUT, "%s: line ends of the magic were changed; copy the file as binary", path);
     unsigned version = data[8] | (unsigned)data[9] << 8, header = data[10] | (unsigned)data[11] << 8;
     if (version != VERSION)
-        die(EXIT_BAD_INPUT, "%s: measurement file version %u, this program reads %d; use a newer gtlut", path,
-            version, VERSION);
+        die(EXIT_BAD_INPUT, "%s: measurement file version %u, this program reads %d; use a newer gtlut", path, version,
+            VERSION);
     uint32_t count = get_u32(data + COUNT_OFFSET);
     if (header != HEADER_BYTES || !count || count > MEASUREMENT_MAX_POINTS)
-        die(EXIT_BAD_INPUT,
-            "%s: header of %u bytes and %u points, want %d bytes and 1..%u points; import it again", path,
-            header, count, HEADER_BYTES, MEASUREMENT_MAX_POINTS);
+        die(EXIT_BAD_INPUT, "%s: header of %u bytes and %u points, want %d bytes and 1..%u points; import it again",
+            path, header, count, HEADER_BYTES, MEASUREMENT_MAX_POINTS);
     if (bytes != HEADER_BYTES + (size_t)count * POINT_BYTES)
         die(EXIT_BAD_INPUT,
-            "%s: %zu bytes where %u points need %zu; the file is truncated or has a tail: import it again",
-            path, bytes, count, HEADER_BYTES + (size_t)count * POINT_BYTES);
+            "%s: %zu bytes where %u points need %zu; the file is truncated or has a tail: import it again", path, bytes,
+            count, HEADER_BYTES + (size_t)count * POINT_BYTES);
     uint32_t crc = crc32_ieee(data + CRC_FROM, bytes - CRC_FROM);
     if (crc != get_u32(data + CRC_OFFSET))
-        die(EXIT_BAD_INPUT, "%s: CRC-32 is %08x, the header says %08x; the file is damaged: import it again",
-            path, crc, get_u32(data + CRC_OFFSET));
+        die(EXIT_BAD_INPUT, "%s: CRC-32 is %08x, the header says %08x; the file is damaged: import it again", path, crc,
+            get_u32(data + CRC_OFFSET));
     char source[sizeof out->source];
     memcpy(source, data + SOURCE_OFFSET, sizeof source);
     source[sizeof source - 1] = 0;
@@ -141,9 +140,8 @@ void measurement_parse(struct measurement *out, const char *path, const uint8_t 
         struct measurement_point point = {
             get_f32(p), get_f32(p + 4), get_f32(p + 8), {get_f32(p + 12), get_f32(p + 16), get_f32(p + 20)}};
         if (!point_valid(&point))
-            die(EXIT_BAD_INPUT,
-                "%s: point %u is out of range (angles %g %g %g, values %g %g %g); import it again", path, i,
-                point.theta_in, point.theta_out, point.phi_out, point.rgb[0], point.rgb[1], point.rgb[2]);
+            die(EXIT_BAD_INPUT, "%s: point %u is out of range (angles %g %g %g, values %g %g %g); import it again",
+                path, i, point.theta_in, point.theta_out, point.phi_out, point.rgb[0], point.rgb[1], point.rgb[2]);
         measurement_add(out, &point);
     }
 }

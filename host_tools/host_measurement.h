@@ -75,7 +75,6 @@ void measurement_grid_free(struct measurement_grid *g);
 
 /* Bilinear in (theta_out, phi_out); theta_out is clamped to the slice's range, phi_out (any degrees) wraps.
  */
-void measurement_slice_value(double rgb[3], const struct measurement_slice *s, double theta_out,
-                             double phi_out);
+void measurement_slice_value(double rgb[3], const struct measurement_slice *s, double theta_out, double phi_out);
 
 #endif
