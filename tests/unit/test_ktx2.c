@@ -156,33 +156,37 @@ static void every_misalignment_is_refused(void **state)
     free(file);
 }
 
-/* Every value of every byte before the texels. Header, level index, descriptor and our own keys admit no change; a
- * foreign key may change, and a digit of theta_max for another digit. */
+/* Every value of every byte before the texels: header, level index and descriptor admit no change; with damaged
+ * keys the file is refused or the same table, but for a digit of theta_max that became another digit. */
 static void every_damaged_byte_is_refused_or_harmless(void **state)
 {
-    size_t n;
+    size_t n, digits = 0;
     uint8_t *file = file_make(&n);
-    const size_t foreign_end = KVD + 24;
-    size_t digits = 0;
+    struct lut_table good, t;
+    unsigned accepted = 0;
     (void)state;
     while (memcmp(file + digits, "60000", 6) != 0) {
         digits++;
     }
+    assert_int_equal(lut_open(&good, file, n), LUT_OK);
     for (size_t at = 0; at < n - 4 * TEXELS; at++) {
         for (unsigned flip = 1; flip < 256; flip++) {
-            struct lut_table t;
             file[at] ^= (uint8_t)flip;
             if (lut_open(&t, file, n) == LUT_OK) {
-                assert_true((at >= KVD && at < foreign_end) || (at >= digits && at < digits + 5));
-                assert_ptr_equal(t.texels, file + n - 4 * TEXELS);
-                assert_int_equal(t.width * t.height * t.depth, TEXELS);
-                struct lut_rgb rgb;
-                struct vec3 z = {0, 0, 32768}, l = {-23170, 0, 23170}, v = {0, 28378, 16384};
-                assert_int_equal(lut_eval(&rgb, &t, z, l, v), 8);
+                assert_true(at >= KVD);
+                if (at >= digits && at < digits + 5) {
+                    assert_in_range(file[at], '0', '9');
+                    t.slice_scale = good.slice_scale;
+                }
+                assert_ptr_equal(t.texels, good.texels);
+                assert_true(t.kind == good.kind && t.width == good.width && t.height == good.height &&
+                            t.depth == good.depth && t.slice_scale == good.slice_scale);
+                accepted++;
             }
             file[at] ^= (uint8_t)flip;
         }
     }
+    assert_true(accepted > 5 * 9);
     free(file);
 }
 
