@@ -178,13 +178,14 @@ $(B)/bench/%: $(B)/host/tests/bench/%.o $(LIBS)
 # --- installation ---
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
+PUBLIC_H := $(filter-out %/internal.h %/func_tables.h %/content.h %/messages.h,$(wildcard lut/*.h raster/*.h firmware/*.h)) hal/hal.h
 install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rules
 	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/goniotile \
 	    $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
 	install $(TOOLS:%=$(B)/%) $(BIN)
 	install -m 644 $(B)/libgoniotile.a $(DESTDIR)$(PREFIX)/lib
 	install -m 644 $(B)/goniotile_oiio.so $(DESTDIR)$(PREFIX)/lib/goniotile
-	install -m 644 $(wildcard lut/*.h raster/*.h firmware/*.h) hal/hal.h $(INC)
+	install -m 644 $(PUBLIC_H) $(INC)
 	install -m 644 host_tools/60-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
 	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile
 

@@ -64,7 +64,8 @@ int main(int argc, char **argv)
     static struct lut_table tables[RASTER_MAX_SLOTS];
     const struct lut_table *slots[RASTER_MAX_SLOTS] = {0};
     for (int i = 4; i < argc; i++) {
-        enum lut_status s = lut_open(&tables[i - 4], read_file(argv[i], 64u << 20, &bytes), bytes);
+        const void *file = read_file(argv[i], 64u << 20, &bytes);
+        enum lut_status s = lut_open(&tables[i - 4], file, bytes);
         if (s != LUT_OK)
             die(EXIT_BAD_INPUT, "%s: %s; build it with gtlut", argv[i], lut_status_text(s));
         slots[i - 4] = &tables[i - 4];
