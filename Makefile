@@ -78,7 +78,7 @@ check-built: all demo-data tests
 
 check-long: deps-check ## check, then the same tests built by clang -O3 and by gcc -O0, without sanitizers
 	$(AGAIN) check-built
-	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 SAN=
+	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 WARN=-Wall SAN=
 	$(AGAIN) check-built B=$(B)/gcc-O0 CC=gcc OPT=-O0 SAN=
 
 bench: deps-bench ## measure; writes build/bench/results.csv
