@@ -13,11 +13,16 @@ struct buffer {
     size_t used;
 };
 
+static void check_size(size_t bytes)
+{
+    if (bytes > SCENE_MAX_BYTES)
+        die(EXIT_BAD_INPUT, "the scene takes more than the limit of %u bytes; use fewer triangles", SCENE_MAX_BYTES);
+}
+
 static struct scene_array append(struct buffer *b, const void *data, size_t count, size_t size)
 {
     size_t end = (b->used + count * size + 3) & ~(size_t)3;
-    if (end > SCENE_MAX_BYTES)
-        die(EXIT_BAD_INPUT, "the scene takes more than the limit of %u bytes; use fewer triangles", SCENE_MAX_BYTES);
+    check_size(end);
     struct scene_array a = {(uint32_t)b->used, (uint32_t)count};
     b->data = xrealloc(b->data, end);
     memset(b->data + b->used, 0, end - b->used);
@@ -76,6 +81,8 @@ void *blob_build(size_t *bytes, const struct scene_desc *desc)
     struct scene_object *objects = xcalloc(desc->object_count, sizeof *objects);
     for (unsigned i = 0; i < desc->mesh_count; i++) {
         build_mesh(&packed[i], &pool, &desc->meshes[i]);
+        check_size(pool.meshlet_count * sizeof *pool.meshlets + pool.vertex_count * sizeof *pool.vertices +
+                   pool.triangle_count * sizeof *pool.triangles);
         meshes[i] = (struct scene_mesh){.lod_first = i, .lod_count = 1};
         memcpy(meshes[i].lo, packed[i].lo, sizeof meshes[i].lo);
         memcpy(meshes[i].hi, packed[i].hi, sizeof meshes[i].hi);

@@ -281,14 +281,11 @@ static void read_object(struct object_desc *out, const struct node *n, const str
     read_rotation(out->rotation, &rotation);
 }
 
-static void check_names(const struct node *list, int count)
+static void need_other_name(const struct node *n, const char *name, const char *earlier, unsigned by)
 {
-    for (int i = 0; i < count; i++)
-        for (int j = 0; j < i; j++) {
-            struct node a = json_element(list, i), b = json_element(list, j), name = json_get(&a, "name");
-            if (!strcmp(json_string(&name), json_get(&b, "name").json->valuestring))
-                json_die(&name, "'%s' is taken by element %d; names must differ", name.json->valuestring, j);
-        }
+    struct node member = json_get(n, "name");
+    if (!strcmp(name, earlier))
+        json_die(&member, "'%s' is taken by element %u; names must differ", name, by);
 }
 
 void desc_load(struct scene_desc *out, const char *path, const char *data_folder)
@@ -314,13 +311,15 @@ void desc_load(struct scene_desc *out, const char *path, const char *data_folder
     for (unsigned i = 0; i < out->material_count; i++) {
         struct node n = json_element(&materials, (int)i);
         read_material(&out->materials[i], &n);
+        for (unsigned j = 0; j < i; j++)
+            need_other_name(&n, out->materials[i].name, out->materials[j].name, j);
     }
     for (unsigned i = 0; i < out->mesh_count; i++) {
         struct node n = json_element(&meshes, (int)i);
         read_mesh(&out->meshes[i], &n, data_folder);
+        for (unsigned j = 0; j < i; j++)
+            need_other_name(&n, out->meshes[i].name, out->meshes[j].name, j);
     }
-    check_names(&meshes, (int)out->mesh_count);
-    check_names(&materials, (int)out->material_count);
     for (unsigned i = 0; i < out->object_count; i++) {
         struct node n = json_element(&objects, (int)i);
         read_object(&out->objects[i], &n, out);

@@ -14,6 +14,8 @@
 #include <string.h>
 #include <strings.h>
 
+#define MAX_FILE_BYTES (512L << 20)
+
 static void check_file(const char *path)
 {
     static const char *const known[] = {".obj", ".ply", ".gltf", ".glb"};
@@ -29,6 +31,10 @@ static void check_file(const char *path)
             die(EXIT_FILE, "%s: %s; give a readable mesh file", path, strerror(errno));
         die(EXIT_BAD_INPUT, "%s: the mesh file is empty; is it the right file?", path);
     }
+    long bytes = fseek(f, 0, SEEK_END) ? -1 : ftell(f);
+    if (bytes > MAX_FILE_BYTES)
+        die(EXIT_BAD_INPUT, "%s: %ld bytes, more than the limit of %ld; simplify the mesh", path, bytes,
+            MAX_FILE_BYTES);
     fclose(f);
 }
 

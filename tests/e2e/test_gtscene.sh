@@ -1,0 +1,203 @@
+#!/usr/bin/env bash
+# gtscene's command line: what it accepts, what it refuses and how it says so.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+G=${B:-build}/gtscene
+T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
+n=0
+
+ok() { # claim command...
+    local claim=$1
+    shift
+    n=$((n + 1))
+    if "$@" >"$T/log" 2>&1; then echo "ok $n - $claim"; else
+        echo "not ok $n - $claim"
+        sed 's/^/# /' "$T/log" | head -20
+    fi
+}
+skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
+
+# refused code pattern command...: that exit code, the pattern in one message on stderr, nothing on stdout
+refused() {
+    local code=$1 pattern=$2 got
+    shift 2
+    "$@" >"$T/out" 2>"$T/err"
+    got=$?
+    cat "$T/err"
+    [ $got = "$code" ] || { echo "exit code $got, not $code"; return 1; }
+    grep -qE "$pattern" "$T/err" || { echo "no message like: $pattern"; return 1; }
+    [ ! -s "$T/out" ] || { echo "output on stdout"; return 1; }
+    [ ! -e "$T/x.blob" ] && [ -z "$(find "$T" -name '.*tmp*')" ] || { echo "left an output file"; return 1; }
+}
+
+# A small scene with a given line changed by a sed expression.
+scene() { # sed_expression
+    cat >"$T/base.json" <<'JSON'
+{
+  "meshes": [{"name": "m", "shape": "sphere", "segments": 4}],
+  "materials": [{"name": "a", "model": "measured", "slot": 3, "kd": [0.5, 0.5, 0.5], "ks": [0, 0, 0], "exponent": 8}],
+  "objects": [{"mesh": "m", "material": "a", "position": [0, 0, 0], "rotation": [10, 20, 30], "scale": 1}],
+  "lights": [{"direction": [0, 1, 1], "irradiance": [1, 1, 1]}],
+  "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 40, "near": 0.5},
+  "output": {"exposure": 1, "tone_curve": "aces", "background": "#102030"}
+}
+JSON
+    sed -E "$1" "$T/base.json" >"$T/s.json"
+    cmp -s "$T/base.json" "$T/s.json" && [ -n "$1" ] && echo "the change did not apply: $1" && return 1
+    return 0
+}
+build() { # [sed_expression [options]]
+    scene "${1-}" && "$G" build "$T/s.json" -o "$T/good.blob" "${@:2}"
+}
+bad() { # sed_expression code pattern
+    scene "$1" && refused "$2" "$3" "$G" build "$T/s.json" -o "$T/x.blob"
+}
+bad_mesh() { # file_name code pattern: a scene whose mesh is that file
+    bad "s/\"shape\".*segments\": 4/\"file\": \"$1\"/" "$2" "$3"
+}
+info_has() { # pattern...
+    local p
+    "$G" info "$T/good.blob" >"$T/info" || return 1
+    for p in "$@"; do grep -qE "$p" "$T/info" || { echo "no line like: $p"; cat "$T/info"; return 1; }; done
+}
+
+# --- shapes ---
+for shape in sphere rounded_cube knot vase gear spring; do
+    ok "$shape has about 5000 triangles by default" bash -c "
+        printf '%s' '{\"meshes\":[{\"name\":\"m\",\"shape\":\"$shape\"}],\"materials\":[{\"name\":\"a\",\"model\":\"lafortune_phong\"}],
+        \"objects\":[{\"mesh\":\"m\",\"material\":\"a\"}],\"lights\":[],\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0],\"fov_y\":40}}' >$T/shape.json
+        $G build $T/shape.json -o $T/shape.blob && $G info $T/shape.blob | awk '/^drawn/ { exit !(\$2 >= 4600 && \$2 <= 5400) }'"
+done
+smallest() { # shape parameters_at_their_lowest
+    build "s/\"shape\".*segments\": 4/\"shape\": \"$1\", $2/" && "$G" info "$T/good.blob"
+}
+ok "shapes build at their coarsest" eval 'smallest sphere "\"segments\": 2" && smallest rounded_cube "\"segments\": 2, \"exponent\": 12" &&
+    smallest knot "\"rings\": 24, \"sides\": 3" && smallest vase "\"rings\": 17, \"sides\": 3" &&
+    smallest gear "\"teeth\": 3, \"samples\": 4, \"sides\": 8" && smallest spring "\"rings\": 8, \"sides\": 3, \"turns\": 0.5"'
+
+# --- the blob ---
+ok "a scene builds and info describes it" eval 'build && info_has "^drawn +192 " "^objects +1 " "^lights +1 " "slot  3 measured"'
+ok "two builds give the same bytes" eval '"$G" build host_tools/scenes/six_models.json -o "$T/1" &&
+    "$G" build host_tools/scenes/six_models.json -o - >"$T/2" && cmp "$T/1" "$T/2"'
+ok "an object without lights and rotation, and a light by colour, build" eval \
+    'build "s/\"irradiance\": \[1, 1, 1\]/\"color\": [1, 0.5, 0], \"intensity\": 2/; s/\"rotation\": [^]]*\]/\"rotation\": {\"axis\": [0, 1, 0], \"degrees\": -90}/"'
+ok "a scene without objects builds" eval 'build "/\"objects\"/s/\[\{.*/[],/" && info_has "^objects +0 "'
+
+# --- scene files ---
+ok "malformed JSON is refused with its line" bad '/"lights"/s/:/;/' 4 's\.json:5:[0-9]+: not valid JSON'
+ok "text after the document is refused" bad '$s/$/ x/' 4 'not valid JSON'
+ok "an unknown key is refused with its place" bad 's/"target"/"look"/' 4 's\.json: camera\.look: unknown key; known here: eye, target'
+ok "a key of another shape is refused" bad 's/"segments"/"teeth"/' 4 'meshes\[0\]\.teeth: unknown key; known here: name, shape, segments$'
+ok "a key given twice is refused" bad 's/"near": 0.5/"near": 0.5, "near": 1/' 4 'camera\.near: given twice'
+ok "a missing key is refused" bad 's/, "fov_y": 40//' 4 'camera\.fov_y: missing'
+ok "a missing slot of a measured material is refused" bad 's/"slot": 3, //' 4 'materials\[0\]\.slot: missing'
+ok "a value of the wrong type is refused" bad 's/"scale": 1/"scale": "1"/' 4 'objects\[0\]\.scale: not a number'
+ok "a vector of two is refused" bad 's/\[0, 0, 5\]/[0, 5]/' 4 'camera\.eye: not three numbers'
+ok "an unknown shape is refused" bad 's/"sphere"/"sphinx"/' 4 "meshes\[0\]\.shape: 'sphinx' is no built-in shape"
+ok "an unknown mesh is refused" bad 's/"mesh": "m"/"mesh": "q"/' 4 "objects\[0\]\.mesh: 'q' is not among the meshes"
+ok "an unknown material is refused" bad 's/"material": "a"/"material": "q"/' 4 "objects\[0\]\.material: 'q' is not among"
+ok "an unknown model is refused" bad 's/"measured"/"magic"/' 4 "materials\[0\]\.model: 'magic' is no model"
+ok "an unknown tone curve is refused" bad 's/"aces"/"filmic"/' 4 "output\.tone_curve: 'filmic'"
+ok "a colour that is none is refused" bad 's/#102030/#10203g/' 4 "output\.background: '#10203g'"
+ok "a name of 16 characters is refused" bad 's/"name": "a"/"name": "abcdefghijklmnop"/' 4 'has 16 characters; give 1 to 15'
+ok "a second mesh of the same name is refused" bad 's/"segments": 4\}/"segments": 4}, {"name": "m", "shape": "knot"}/' 4 \
+    "meshes\[1\]\.name: 'm' is taken"
+ok "17 lights are refused" bad "/\"lights\"/s/(\{.*\})/$(printf '\\1,%.0s' {1..16})\1/" 4 'lights: 17 elements, more than the limit of 16'
+
+# key, value out of range, the place reported
+while read -r key value place; do
+    ok "$place out of range is refused" bad "s/\"$key\": (\[[^]]*\]|[0-9.]+)/\"$key\": $value/" 4 "$place: .*(out of range; give|not a whole number)"
+done <<'EOT'
+segments 401 meshes\[0\]\.segments
+segments 2.5 meshes\[0\]\.segments
+slot 16 materials\[0\]\.slot
+kd [0,1.01,0] materials\[0\]\.kd\[1\]
+ks [-0.1,0,0] materials\[0\]\.ks\[0\]
+exponent 4097 materials\[0\]\.exponent
+position [0,0,40000] objects\[0\]\.position\[2\]
+rotation [0,361,0] objects\[0\]\.rotation\[1\]
+scale 0 objects\[0\]\.scale
+scale 1e999 objects\[0\]\.scale
+irradiance [257,0,0] lights\[0\]\.irradiance\[0\]
+eye [0,1e9,0] camera\.eye\[1\]
+fov_y 180 camera\.fov_y
+near 0 camera\.near
+exposure 257 output\.exposure
+EOT
+ok "a light without direction is refused" bad 's/\[0, 1, 1\]/[0, 0, 0]/' 4 'lights\[0\]\.direction: has no direction'
+ok "an eye at the target is refused" bad 's/\[0, 0, 5\]/[0, 0, 0]/' 4 'camera\.target: is where the eye is'
+ok "an up along the view is refused" bad 's/"up": \[0, 1, 0\]/"up": [0, 0, 2]/' 4 'camera\.up: points along the view'
+ok "an object that is too large is refused" bad 's/"scale": 1\}/"scale": 1e6}/' 4 'objects\[0\]: .* out of range'
+{ head -c 17000000 /dev/zero | tr '\0' ' '; } >"$T/long.json"
+ok "a scene file that is too long is refused" refused 4 'long\.json: longer than the limit of' "$G" build "$T/long.json" -o "$T/x.blob"
+ok "a missing scene file is refused" refused 3 'nowhere.json: No such file' "$G" build "$T/nowhere.json" -o "$T/x.blob"
+head -c 200 /dev/urandom >"$T/noise.json"
+ok "a scene file of noise is refused" refused 4 'noise\.json' "$G" build "$T/noise.json" -o "$T/x.blob"
+ok "an output folder that is not there is refused" eval 'scene "" && refused 3 "nowhere/x.blob" "$G" build "$T/s.json" -o "$T/nowhere/x.blob"'
+
+# --- mesh files ---
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$T/tetra.obj"
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n' >"$T/quad.obj"
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >"$T/one.ply"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n' >"$T/points.obj"
+printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$T/line.obj"
+printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >"$T/flat.obj"
+printf 'v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n' >"$T/nan.obj"
+printf 'v 5 5 5\nv 5 5 5\nv 5 5 5\nf 1 2 3\n' >"$T/dot.obj"
+: >"$T/empty.obj"
+truncate -s 513M "$T/huge.obj"
+# Two triangles back to back; one triangle whose normals contradict each other; one with a normal of no length.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1//1 2//1 3//1\nf 1//2 3//2 2//2\n' >"$T/leaf.obj"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 -1\nvn 1 0 0\nf 1//1 2//2 3//3\n' >"$T/odd.obj"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1\n' >"$T/zero.obj"
+cp "$T/noise.json" "$T/noise.glb"
+cp "$T/tetra.obj" "$T/tetra.stl"
+file() { build "s/\"shape\".*segments\": 4/\"file\": \"$1\"/" "${@:2}"; }
+ok "an OBJ without normals builds" eval 'file tetra.obj && info_has "^drawn +4 "'
+ok "polygons are triangulated" eval 'file quad.obj && info_has "^drawn +2 "'
+ok "a PLY builds" eval 'file one.ply && info_has "^drawn +1 "'
+mkdir -p "$T/meshes" && cp "$T/tetra.obj" "$T/meshes/far.obj"
+ok "--data names the folder of mesh files" eval 'file far.obj --data "$T/meshes" && info_has "^drawn +4 "'
+ok "normals more than 90 degrees apart split a meshlet" eval 'file leaf.obj && info_has "^drawn +2 " "^meshlets +2 "'
+ok "contradicting normals and a zero normal build" eval 'file odd.obj && file zero.obj && info_has "^drawn +1 "'
+ok "a mesh file that is too long is refused" bad_mesh huge.obj 4 'huge\.obj: 537919488 bytes, more than the limit'
+ok "a mesh file that is not there is refused" bad_mesh far.obj 3 'far\.obj: No such file'
+ok "a folder as mesh file is refused" eval 'mkdir "$T/folder.obj"; bad_mesh folder.obj 3 "folder\.obj: Is a directory"'
+ok "a mesh of points is refused" bad_mesh points.obj 4 'points\.obj'
+ok "a mesh of lines is refused" bad_mesh line.obj 4 'line\.obj'
+ok "a mesh without area is refused" bad_mesh flat.obj 4 'flat\.obj: no triangle has an area'
+ok "a mesh without extent is refused" bad_mesh dot.obj 4 'dot\.obj: the mesh is 0 across'
+ok "a position that is not a number is refused" bad_mesh nan.obj 4 'nan\.obj'
+ok "an empty mesh file is refused" bad_mesh empty.obj 4 'empty\.obj: the mesh file is empty'
+ok "noise as a mesh is refused" bad_mesh noise.glb 4 'noise\.glb'
+ok "a mesh of another type is refused" bad_mesh tetra.stl 4 'tetra\.stl: not a mesh file this program reads'
+
+# --- info ---
+build >/dev/null 2>&1
+head -c 300 "$T/good.blob" >"$T/short.blob"
+ok "info refuses a truncated blob" refused 4 'short\.blob: shorter than' "$G" info "$T/short.blob"
+ok "info refuses a foreign file" refused 4 'noise\.json: not a scene blob' "$G" info "$T/noise.json"
+ok "info refuses a missing file" refused 3 'nowhere' "$G" info "$T/nowhere"
+
+# --- usage ---
+ok "no command is a usage error" refused 2 '^usage' "$G"
+ok "an unknown command is a usage error" refused 2 "'make' is not a command" "$G" make
+ok "a missing output is a usage error" refused 2 'no output file' "$G" build "$T/s.json"
+ok "two scene files are a usage error" refused 2 '2 scene files given, 1 wanted' "$G" build a b -o "$T/x.blob"
+ok "an unknown option is a usage error" refused 2 'unrecognized option' "$G" build --fast a -o "$T/x.blob"
+ok "help goes to stdout" eval '"$G" --help | grep -q "gtscene build" && "$G" build --help | grep -q rounded_cube && "$G" info --help | grep -q blob'
+ok "the version is printed" eval '"$G" --version | grep -qE "^gtscene [0-9]+\.[0-9]+\.[0-9]+$"'
+
+# --- real meshes ---
+D=${GONIOTILE_DATA:-../shared/data}/meshes
+real() { # file triangles
+    file "$1.obj" --data "$D" && info_has "^drawn +$2 "
+}
+for mesh in spot_6k:5856 teapot_6k:6320 bunny_5k:5000 dragon_20k:19978; do
+    if [ -r "$D/${mesh%:*}.obj" ]; then
+        ok "${mesh%:*} builds with all its triangles" real "${mesh%:*}" "${mesh#*:}"
+    else
+        skip "${mesh%:*} builds with all its triangles" "no data folder"
+    fi
+done
+echo "1..$n"
