@@ -158,7 +158,6 @@ struct link *device_open(struct usb_info *info)
     int e = c.error ? c.error : libusb_open(c.device, &handle);
     if (e)
         open_failed(&c, e);
-    libusb_set_auto_detach_kernel_driver(handle, 1);
     e = libusb_claim_interface(handle, 0);
     /* A program that was killed may have left half a request or replies behind: setting the interface clears both. */
     if (!e)
@@ -169,10 +168,10 @@ struct link *device_open(struct usb_info *info)
     libusb_unref_device(c.device);
     struct link *l = link_open(context, handle, (unsigned)packet, timeout);
     link_request(l, &r, "info", USB_MSG_INFO, NULL, 0);
-    if (r.length < sizeof(struct usb_info) - sizeof info->slots || r.length > sizeof *info)
-        die(EXIT_USB, "info: %u bytes, at most %zu expected; update the firmware", r.length, sizeof *info);
-    memset(info, 0, sizeof *info);
-    memcpy(info, r.payload, r.length);
+    if (r.length != sizeof *info)
+        die(EXIT_USB, "info: %u bytes where %zu are expected; update the older of firmware and this program", r.length,
+            sizeof *info);
+    memcpy(info, r.payload, sizeof *info);
     if (info->protocol_version != USB_PROTOCOL_VERSION || info->slot_count > USB_MAX_SLOTS || info->slot_count < 1)
         die(EXIT_REFUSED,
             "the device speaks protocol version %u with %u slots, this program version %u; update the older",

@@ -82,10 +82,10 @@ static _Noreturn void push_abandon(struct link *l, const struct reply *why, unsi
     reply_refuse(&refusal, what);
 }
 
-/* Streams the bytes, LINK_DEPTH messages on their way. */
-static void push_stream(struct link *l, const struct push *p, const char *what)
+/* Streams the bytes from `done` on, LINK_DEPTH messages on their way. */
+static void push_stream(struct link *l, const struct push *p, size_t done, const char *what)
 {
-    size_t sent = 0, done = 0;
+    size_t sent = done;
     unsigned unanswered = 0;
     struct reply r;
     while (done < p->bytes) {
@@ -135,8 +135,12 @@ void command_push(int argc, char **argv)
     struct link *l = device_open(&info);
     clock_gettime(CLOCK_MONOTONIC, &t0);
     link_set_patience(l, 6);
-    link_request(l, &r, what, USB_MSG_BEGIN, &begin, sizeof begin);
-    push_stream(l, &p, what);
+    /* The same upload, cut off earlier, goes on where it stopped. */
+    bool resumes = info.upload_slot == begin.slot && info.upload_length == begin.length && info.upload_crc == begin.crc;
+    size_t kept = resumes && info.upload_received <= p.bytes ? info.upload_received : 0;
+    if (!resumes)
+        link_request(l, &r, what, USB_MSG_BEGIN, &begin, sizeof begin);
+    push_stream(l, &p, kept, what);
     if (link_interrupted())
         push_abandon(l, NULL, 0, what);
     link_send(l, USB_MSG_COMMIT, NULL, 0, NULL, 0);
@@ -149,8 +153,10 @@ void command_push(int argc, char **argv)
         reply_refuse(&r, what);
     clock_gettime(CLOCK_MONOTONIC, &t1);
     double seconds = (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec);
-    printf("%s to %s: %zu bytes in %.3f s, %.2f MB/s\n", p.name, where, p.bytes, seconds,
-           (double)p.bytes / 1e6 / seconds);
+    printf("%s to %s: %zu bytes in %.3f s, %.2f MB/s\n", p.name, where, p.bytes - kept, seconds,
+           (double)(p.bytes - kept) / 1e6 / seconds);
+    if (kept)
+        printf("resumed after %zu bytes of an earlier push\n", kept);
     device_close(l);
     free(what);
     free(where);

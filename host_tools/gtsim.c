@@ -1,0 +1,90 @@
+/* gtsim: the device on a PC, the same firmware on a simulated board. */
+#include "gtsim.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "goniotile_version.h"
+#include "raster.h"
+
+static error_t parse_board(int key, char *arg, struct argp_state *state)
+{
+    struct sim_config *board = state->input;
+    char *copy, *x;
+    switch (key) {
+    case 's':
+        copy = xstrdup(arg);
+        x = strchr(copy, 'x');
+        if (!x)
+            die(EXIT_USAGE, "--size: '%s' is not a size; write WIDTHxHEIGHT, like 320x240", arg);
+        *x = 0;
+        board->width = (uint16_t)parse_long("--size WIDTH", copy, 1, RASTER_MAX_WIDTH);
+        board->height = (uint16_t)parse_long("--size HEIGHT", x + 1, 1, RASTER_MAX_HEIGHT);
+        free(copy);
+        return 0;
+    case 'f':
+        if (strcmp(arg, "rgb565") && strcmp(arg, "rgb888"))
+            die(EXIT_USAGE, "--format: no format '%s'; it is rgb565 or rgb888", arg);
+        board->format = strcmp(arg, "rgb565") ? RASTER_RGB888 : RASTER_RGB565;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_option board_options[] = {
+    {"size", 's', "WxH", 0, "the picture's size (320x240)", 0},
+    {"format", 'f', "rgb565|rgb888", 0, "the device's pixels (rgb888)", 0},
+    {0}};
+const struct argp board_argp = {board_options, parse_board, NULL, NULL, NULL, NULL, NULL};
+
+struct sim_config board_default(void)
+{
+    return (struct sim_config){.width = 320, .height = 240, .format = RASTER_RGB888, .high_speed = true};
+}
+
+void options_parse(const struct argp *argp, unsigned flags, int argc, char **argv, int *index, void *input)
+{
+    argp_err_exit_status = EXIT_USAGE;
+    argp_program_version = "gtsim " GONIOTILE_VERSION;
+    argp_parse(argp, argc, argv, flags, index, input);
+}
+
+static void help(FILE *to)
+{
+    fputs("Usage: gtsim COMMAND [OPTION...]\nThe device on a PC: the firmware on a simulated board.\n\nCommands:\n"
+          "  run      run a program that sees the simulated device on its USB\n"
+          "  render   render a scene into a picture, without USB\n"
+          "\n'gtsim COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file, 4 bad input file,\n"
+          "9 refused by the device; 'run' ends with the program's own.\n",
+          to);
+}
+
+int main(int argc, char **argv)
+{
+    common_set_name("gtsim", NULL);
+    if (argc < 2) {
+        help(stderr);
+        return EXIT_USAGE;
+    }
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "help")) {
+        help(stdout);
+        return EXIT_OK;
+    }
+    if (!strcmp(argv[1], "--version")) {
+        puts("gtsim " GONIOTILE_VERSION);
+        return EXIT_OK;
+    }
+    int (*run)(int, char **) = !strcmp(argv[1], "run")      ? command_run
+                               : !strcmp(argv[1], "render") ? command_render
+                                                            : NULL;
+    if (!run)
+        die(EXIT_USAGE, "no command '%s'; see 'gtsim --help'", argv[1]);
+    common_set_name("gtsim", argv[1]);
+    argv[1] = strcmp(argv[1], "run") ? "gtsim render" : "gtsim run";
+    int code = run(argc - 1, argv + 1);
+    if (fflush(stdout) || ferror(stdout))
+        die(EXIT_FILE, "standard output: cannot be written");
+    return code;
+}

@@ -1,0 +1,162 @@
+/* `render`: scene and tables into the simulated device, a frame out of it, without USB programs. */
+#define _GNU_SOURCE
+#include "gtsim.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host_canvas.h"
+#include "host_image.h"
+#include "sim_device.h"
+
+struct render {
+    struct sim_config board;
+    const char *scene, *output, *tables[RASTER_MAX_SLOTS];
+    uint32_t model;
+    bool stats;
+};
+
+static void parse_table(struct render *r, char *arg)
+{
+    char *equals = strchr(arg, '=');
+    if (!equals)
+        die(EXIT_USAGE, "--table: '%s' has no slot; write SLOT=FILE", arg);
+    *equals = 0;
+    r->tables[parse_long("--table SLOT", arg, 0, RASTER_MAX_SLOTS - 1)] = equals + 1;
+}
+
+static error_t parse_option(int key, char *arg, struct argp_state *state)
+{
+    struct render *r = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &r->board;
+        return 0;
+    case 'o':
+        r->output = arg;
+        return 0;
+    case 't':
+        parse_table(r, arg);
+        return 0;
+    case 'm':
+        r->model = !strcmp(arg, "measured") ? SCENE_MATERIAL_MEASURED : SCENE_MATERIAL_LAFORTUNE_PHONG;
+        if (!strcmp(arg, "scene"))
+            r->model = UINT32_MAX;
+        else if (strcmp(arg, "measured") && strcmp(arg, "lafortune_phong"))
+            die(EXIT_USAGE, "--model: no model '%s'; it is one of measured, lafortune_phong, scene", arg);
+        return 0;
+    case 'S':
+        r->stats = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (r->scene)
+            argp_usage(state);
+        r->scene = arg;
+        return 0;
+    case ARGP_KEY_END:
+        if (!r->scene || !r->output)
+            die(EXIT_USAGE, "a scene and -o FILE.png are needed; see 'gtsim render --help'");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* Loads a file into the device's slot. */
+static void device_load(struct sim_device *d, uint32_t slot, const char *path)
+{
+    struct usb_header h;
+    size_t bytes;
+    uint8_t *data = read_file(path, SCENE_MAX_BYTES, &bytes);
+    uint32_t kind = slot ? USB_SLOT_TABLE : USB_SLOT_SCENE;
+    if (!bytes)
+        die(EXIT_BAD_INPUT, "%s: empty; give a %s", path, slot ? "table" : "scene");
+    if (!sim_device_push(d, slot, kind, data, (uint32_t)bytes, &h))
+        die(EXIT_INTERNAL, "%s: the simulated device does not answer", path);
+    if (h.status == USB_ERR_CONTENT && kind == USB_SLOT_TABLE)
+        die(EXIT_BAD_INPUT, "%s: not a valid table: %s; build it again with gtlut", path,
+            lut_status_text((enum lut_status)h.detail));
+    if (h.status == USB_ERR_CONTENT)
+        die(EXIT_BAD_INPUT, "%s: not a valid scene: %s; build it again with gtscene", path,
+            scene_status_text((enum scene_status)h.detail));
+    if (h.status == USB_ERR_TOO_LARGE)
+        die(EXIT_REFUSED, "%s: %zu bytes, the slot's bank holds %u; build a smaller one", path, bytes, h.detail);
+    if (h.status != USB_OK)
+        die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", path, h.status, h.detail);
+    free(data);
+}
+
+static void device_set_model(struct sim_device *d, uint32_t model)
+{
+    uint32_t payload[2] = {USB_SET_MODEL, model};
+    struct usb_header h;
+    if (!sim_device_request(d, USB_MSG_SET, payload, sizeof payload, &h, NULL, 0) || h.status != USB_OK)
+        die(EXIT_INTERNAL, "the simulated device refuses the model");
+}
+
+static void device_frame(struct sim_device *d, const struct render *r, uint8_t *pixels)
+{
+    struct usb_header h;
+    if (!sim_device_frame(d, pixels, &h))
+        die(EXIT_INTERNAL, "the simulated device does not answer");
+    if (h.status == USB_ERR_TABLE)
+        die(EXIT_REFUSED, "%s: the table slot of material %u is empty; give --table SLOT=FILE", r->scene, h.detail);
+    if (h.status == USB_ERR_RENDER)
+        die(EXIT_REFUSED, "%s: cannot be rendered: %s", r->scene, raster_status_text((enum raster_status)h.detail));
+    if (h.status == USB_ERR_MEMORY)
+        die(EXIT_REFUSED, "%s: the frame needs %u bytes of memory, the device has %zu", r->scene, h.detail,
+            r->board.arena_bytes);
+    if (h.status != USB_OK)
+        die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", r->scene, h.status, h.detail);
+}
+
+static void print_stats(struct sim_device *d)
+{
+    struct usb_stats_request want = {0};
+    struct usb_header h;
+    struct usb_stats s;
+    if (!sim_device_request(d, USB_MSG_STATS, &want, sizeof want, &h, &s, sizeof s) || h.status != USB_OK)
+        die(EXIT_INTERNAL, "the simulated device has no statistics");
+    printf("tiles %u, visible meshlets %u, memory used %u bytes\n", s.tile_count, s.meshlets_visible, s.arena_used);
+    printf("triangles %u, tested %u, covered %u, shaded %u, fetches %u, ticks %u\n", s.total.triangles, s.total.tested,
+           s.total.covered, s.total.shaded, s.total.fetches, s.total.ticks);
+}
+
+int command_render(int argc, char **argv)
+{
+    static const struct argp_option options[] = {
+        {"output", 'o', "FILE", 0, "the picture (PNG)", 0},
+        {"table", 't', "SLOT=FILE", 0, "a table into a table slot, 0 to 15; repeat for more", 0},
+        {"model", 'm', "MODEL", 0, "measured, lafortune_phong or scene (scene)", 0},
+        {"stats", 'S', NULL, 0, "print what the frame cost", 0},
+        {0}};
+    static const struct argp_child children[] = {{&board_argp, 0, NULL, 0}, {0}};
+    static const struct argp argp = {
+        options,  parse_option, "SCENE", "Renders a scene (from gtscene) into a picture, on the simulated device.",
+        children, NULL,         NULL};
+    struct render r = {.board = board_default(), .model = UINT32_MAX};
+    r.board.arena_bytes = 4u << 20; /* more than a device has: any scene can be looked at */
+    uint8_t descriptors[64];
+    struct canvas canvas;
+    options_parse(&argp, 0, argc, argv, NULL, &r);
+    struct sim_device *d = sim_device_create(&r.board);
+    if (!d || sim_device_enumerate(d, descriptors) < 0)
+        die(EXIT_INTERNAL, "the simulated device does not start");
+    device_load(d, 0, r.scene);
+    for (uint32_t i = 0; i < RASTER_MAX_SLOTS; i++)
+        if (r.tables[i])
+            device_load(d, i + 1, r.tables[i]);
+    device_set_model(d, r.model);
+    canvas_init(&canvas, r.board.width, r.board.height, r.board.format);
+    uint8_t *pixels = xmalloc((size_t)canvas.missing * canvas_pixel_bytes(r.board.format));
+    device_frame(d, &r, pixels);
+    canvas_put(&canvas, 0, 0, canvas.width, canvas.height, pixels);
+    if (r.stats)
+        print_stats(d);
+    image_write_u8(r.output, canvas.width, canvas.height, 3, canvas.rgb);
+    free(pixels);
+    canvas_free(&canvas);
+    sim_device_destroy(d);
+    return EXIT_OK;
+}
