@@ -74,7 +74,7 @@ static void slot_mount(struct table_store *s, uint32_t slot)
 {
     struct table_store_header h[2];
     bool intact[2] = {header_read(&h[0], s, slot, 0), header_read(&h[1], s, slot, 1)};
-    uint8_t newest = intact[1] && (!intact[0] || h[1].sequence > h[0].sequence);
+    uint8_t newest = intact[1] && (!intact[0] || h[1].sequence - h[0].sequence < 1u << 31); /* sequences wrap */
     if (intact[newest] && bank_mount(s, slot, newest, &h[newest]))
         return;
     if (intact[1 - newest])

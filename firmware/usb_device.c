@@ -190,7 +190,7 @@ static bool answer_status(struct usb_device *d, const struct setup *s)
     case TO_INTERFACE:
         return configured && s->index == 0 && answer(d, status, 2);
     case TO_ENDPOINT:
-        if ((s->index & 0x7f) == 0)
+        if (s->index == 0x00 || s->index == 0x80)
             return answer(d, status, 2);
         if (!configured || !is_bulk(s->index))
             return false;

@@ -1,0 +1,373 @@
+/* The table store on the simulated flash: what is live, before and after whatever happens to an upload. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "crc32.h"
+#include "device_fixture.h"
+
+enum { SLOTS = 3, BANKS = 2 * SLOTS };
+
+static uint64_t seed = 1;
+
+static uint32_t random32(void)
+{
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(seed >> 32);
+}
+
+struct fixture {
+    struct sim *board;
+    struct table_store store;
+    void *tables[3]; /* of 1, 2, 3; all of `bytes` bytes */
+    size_t bytes;
+};
+
+static int setup(void **state)
+{
+    struct sim_config c = {.slot_count = SLOTS, .table_bank_bytes = FIXTURE_BANK, .scene_bank_bytes = FIXTURE_BANK};
+    struct fixture *f = calloc(1, sizeof *f);
+    f->board = sim_create(&c);
+    for (uint32_t i = 0; i < 3; i++)
+        f->tables[i] = fixture_table(i + 1, &f->bytes);
+    *state = f;
+    return !table_store_init(&f->store, sim_hal(f->board), SLOTS, FIXTURE_BANK);
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    sim_destroy(f->board);
+    for (int i = 0; i < 3; i++)
+        free(f->tables[i]);
+    free(f);
+    return 0;
+}
+
+static struct table_store_result begin(struct fixture *f, uint32_t slot, uint32_t kind, const void *data, size_t bytes)
+{
+    struct usb_begin b = {slot, kind, (uint32_t)bytes, crc32_update(0, data, bytes)};
+    return table_store_begin(&f->store, &b);
+}
+
+/* Writes and commits an upload that has begun; the first status that is not USB_OK. */
+static struct table_store_result finish(struct fixture *f, const void *data, size_t bytes)
+{
+    struct table_store_result r = table_store_write(&f->store, data, (uint32_t)bytes);
+    if (r.status != USB_OK)
+        return r;
+    while (!table_store_check(&f->store, 100))
+        ;
+    return table_store_commit(&f->store);
+}
+
+static enum usb_status push(struct fixture *f, uint32_t slot, const void *data, size_t bytes)
+{
+    struct table_store_result r = begin(f, slot, USB_SLOT_TABLE, data, bytes);
+    return r.status == USB_OK ? finish(f, data, bytes).status : r.status;
+}
+
+static void restart(struct fixture *f)
+{
+    assert_true(table_store_init(&f->store, sim_hal(f->board), SLOTS, FIXTURE_BANK));
+}
+
+/* Index of the table that is live in a slot, -1 when it is empty; anything else fails the test. */
+static int live(struct fixture *f, uint32_t slot)
+{
+    uint32_t bytes;
+    const uint8_t *content = table_store_content(&f->store, slot, &bytes);
+    if (!content)
+        return -1;
+    assert_int_equal(bytes, f->bytes);
+    for (int i = 0; i < 3; i++)
+        if (memcmp(content, f->tables[i], f->bytes) == 0)
+            return i;
+    fail_msg("the live content is none of those pushed");
+    return -2;
+}
+
+static uint8_t *bank(struct fixture *f, uint32_t slot, uint32_t which)
+{
+    uint32_t bytes;
+    return sim_flash(f->board, &bytes) + (2 * slot + which) * FIXTURE_BANK;
+}
+
+static void crc_is_that_of_ieee_802_3(void **state)
+{
+    uint8_t data[300];
+    (void)state;
+    assert_int_equal(crc32_update(0, "123456789", 9), 0xcbf43926);
+    assert_int_equal(crc32_update(0, "", 0), 0);
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)random32();
+    uint32_t crc = 0xffffffff;
+    for (size_t i = 0; i < sizeof data; i++) {
+        crc ^= data[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc & 1 ? crc >> 1 ^ 0xedb88320 : crc >> 1;
+        assert_int_equal(crc32_update(0, data, i + 1), ~crc);
+        assert_int_equal(crc32_update(crc32_update(0, data, i / 3), data + i / 3, i + 1 - i / 3), ~crc);
+    }
+}
+
+static void committed_table_is_live_and_survives_a_restart(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(live(f, 1), -1);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(push(f, 1, f->tables[i], f->bytes), USB_OK);
+        assert_int_equal(live(f, 1), i);
+        assert_int_equal(f->store.slots[1].bank, i % 2);
+        restart(f);
+        assert_int_equal(live(f, 1), i);
+        assert_int_equal(live(f, 2), -1);
+    }
+}
+
+static void header_is_as_specified(void **state)
+{
+    struct fixture *f = *state;
+    static const uint8_t fixed[8] = {'G', 'T', 'B', 'K', 1, 0, 2, USB_SLOT_TABLE};
+    push(f, 2, f->tables[0], f->bytes);
+    push(f, 2, f->tables[1], f->bytes);
+    uint8_t *h = bank(f, 2, 1);
+    uint32_t words[8];
+    memcpy(words, h, 32);
+    assert_memory_equal(h, fixed, 8);
+    assert_int_equal(words[2], f->bytes);
+    assert_int_equal(words[3], crc32_update(0, f->tables[1], f->bytes));
+    assert_int_equal(words[4], 2);
+    assert_int_equal(words[5] & words[6], 0xffffffff);
+    assert_int_equal(words[7], crc32_update(0, h, 28));
+    assert_memory_equal(h + 256, f->tables[1], f->bytes);
+}
+
+static void upload_without_commit_leaves_the_old_table(void **state)
+{
+    struct fixture *f = *state;
+    push(f, 1, f->tables[0], f->bytes);
+    assert_int_equal(begin(f, 1, USB_SLOT_TABLE, f->tables[1], f->bytes).status, USB_OK);
+    assert_int_equal(live(f, 1), 0);
+    assert_int_equal(table_store_write(&f->store, f->tables[1], (uint32_t)f->bytes).status, USB_OK);
+    assert_int_equal(live(f, 1), 0);
+    restart(f);
+    assert_int_equal(live(f, 1), 0);
+    assert_false(f->store.upload.open);
+    assert_int_equal(push(f, 1, f->tables[2], f->bytes), USB_OK); /* over what the unfinished one left */
+    assert_int_equal(live(f, 1), 2);
+}
+
+/* The flash fails at operation n and from then on, as when the power goes; afterwards one of the two is live. */
+static void failure_at_any_operation_leaves_one_whole_table(void **state)
+{
+    struct fixture *f = *state;
+    int now = 0, changes = 0;
+    push(f, 1, f->tables[0], f->bytes);
+    for (long n = 0; n < 40; n++) {
+        int next = (now + 1) % 3;
+        sim_fail_flash_after(f->board, n);
+        enum usb_status status = push(f, 1, f->tables[next], f->bytes);
+        assert_true(status == USB_OK || status == USB_ERR_FLASH);
+        assert_int_equal(live(f, 1), status == USB_OK ? next : now);
+        sim_fail_flash_after(f->board, -1);
+        restart(f);
+        assert_int_equal(live(f, 1), status == USB_OK ? next : now);
+        changes += status == USB_OK;
+        now = live(f, 1);
+    }
+    assert_in_range(changes, 1, 39);
+}
+
+static void flipped_bit_in_the_live_bank_falls_back_to_the_older_one(void **state)
+{
+    struct fixture *f = *state;
+    push(f, 1, f->tables[0], f->bytes);
+    push(f, 1, f->tables[1], f->bytes);
+    for (int i = 0; i < 200; i++) {
+        uint32_t at = i < 32 ? (uint32_t)i : 256 + random32() % (uint32_t)f->bytes;
+        uint8_t bit = (uint8_t)(1 << random32() % 8);
+        bank(f, 1, 1)[at] ^= bit;
+        restart(f);
+        assert_int_equal(live(f, 1), 0);
+        bank(f, 1, 1)[at] ^= bit;
+        restart(f);
+        assert_int_equal(live(f, 1), 1);
+    }
+    bank(f, 1, 0)[300] ^= 1; /* the older bank's damage does not matter */
+    restart(f);
+    assert_int_equal(live(f, 1), 1);
+    bank(f, 1, 1)[300] ^= 1;
+    restart(f);
+    assert_int_equal(live(f, 1), -1);
+    assert_int_equal(push(f, 1, f->tables[2], f->bytes), USB_OK);
+    assert_int_equal(live(f, 1), 2);
+}
+
+static void bank_of_another_slot_is_not_mounted(void **state)
+{
+    struct fixture *f = *state;
+    push(f, 1, f->tables[0], f->bytes);
+    memcpy(bank(f, 2, 0), bank(f, 1, 0), FIXTURE_BANK);
+    restart(f);
+    assert_int_equal(live(f, 1), 0);
+    assert_int_equal(live(f, 2), -1);
+}
+
+static void damaged_upload_is_refused(void **state)
+{
+    struct fixture *f = *state;
+    uint8_t *damaged = malloc(f->bytes);
+    push(f, 1, f->tables[0], f->bytes);
+    memcpy(damaged, f->tables[1], f->bytes);
+    damaged[f->bytes - 1] ^= 0x80;
+    begin(f, 1, USB_SLOT_TABLE, f->tables[1], f->bytes);
+    struct table_store_result r = finish(f, damaged, f->bytes);
+    assert_int_equal(r.status, USB_ERR_CRC);
+    assert_int_equal(r.detail, crc32_update(0, damaged, f->bytes));
+    damaged[0] ^= 1; /* the CRC fits, but it is no table */
+    begin(f, 1, USB_SLOT_TABLE, damaged, f->bytes);
+    r = finish(f, damaged, f->bytes);
+    assert_int_equal(r.status, USB_ERR_CONTENT);
+    assert_int_equal(r.detail, LUT_ERR_IDENTIFIER);
+    assert_int_equal(live(f, 1), 0);
+    restart(f);
+    assert_int_equal(live(f, 1), 0);
+    free(damaged);
+}
+
+/* Any length in pieces of any size arrives whole: the CRC fits and only the content is refused. */
+static void any_length_in_any_pieces_is_stored(void **state)
+{
+    struct fixture *f = *state;
+    static uint8_t data[FIXTURE_CAPACITY];
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)random32();
+    for (uint32_t n = 0; n < 300; n++) {
+        uint32_t length = n < 3 ? FIXTURE_CAPACITY - n : n < 20 ? n - 2 : 1 + random32() % FIXTURE_CAPACITY, at = 0;
+        assert_int_equal(begin(f, 1, USB_SLOT_TABLE, data, length).status, USB_OK);
+        while (at < length) {
+            uint32_t piece = 1 + random32() % (n % 2 ? 1000 : 9000);
+            piece = piece < length - at ? piece : length - at;
+            struct table_store_result r = table_store_write(&f->store, data + at, piece);
+            assert_int_equal(r.status, USB_OK);
+            at += piece;
+            assert_int_equal(r.detail, at);
+        }
+        while (!table_store_check(&f->store, 1 + random32() % 5000))
+            ;
+        assert_int_equal(table_store_commit(&f->store).status, USB_ERR_CONTENT);
+        assert_memory_equal(bank(f, 1, 0) + 256, data, length);
+    }
+}
+
+static void blocks_are_erased_as_the_data_arrives(void **state)
+{
+    struct fixture *f = *state;
+    static uint8_t data[FIXTURE_CAPACITY];
+    memset(bank(f, 1, 0), 0x11, FIXTURE_BANK);
+    begin(f, 1, USB_SLOT_TABLE, data, sizeof data);
+    assert_int_equal(bank(f, 1, 0)[SIM_FLASH_BLOCK - 1], 0xff);
+    assert_int_equal(bank(f, 1, 0)[SIM_FLASH_BLOCK], 0x11);
+    table_store_write(&f->store, data, SIM_FLASH_BLOCK);
+    assert_int_equal(bank(f, 1, 0)[2 * SIM_FLASH_BLOCK - 1], 0xff);
+    assert_int_equal(bank(f, 1, 0)[2 * SIM_FLASH_BLOCK], 0x11);
+}
+
+static void begin_refuses_what_cannot_be_stored(void **state)
+{
+    struct fixture *f = *state;
+    push(f, 1, f->tables[0], f->bytes);
+    assert_int_equal(begin(f, SLOTS, USB_SLOT_TABLE, "", 1).status, USB_ERR_SLOT);
+    assert_int_equal(begin(f, 0, USB_SLOT_TABLE, "", 1).status, USB_ERR_VALUE);
+    assert_int_equal(begin(f, 1, USB_SLOT_SCENE, "", 1).status, USB_ERR_VALUE);
+    assert_int_equal(begin(f, 1, USB_SLOT_EMPTY, "", 1).status, USB_ERR_VALUE);
+    assert_int_equal(begin(f, 1, USB_SLOT_TABLE, "", 0).status, USB_ERR_VALUE);
+    struct usb_begin b = {1, USB_SLOT_TABLE, FIXTURE_CAPACITY + 1, 0};
+    struct table_store_result r = table_store_begin(&f->store, &b);
+    assert_int_equal(r.status, USB_ERR_TOO_LARGE);
+    assert_int_equal(r.detail, FIXTURE_CAPACITY);
+    sim_forbid_writing(f->board, true);
+    assert_int_equal(push(f, 1, f->tables[1], f->bytes), USB_ERR_FORBIDDEN);
+    sim_forbid_writing(f->board, false);
+    begin(f, 1, USB_SLOT_TABLE, f->tables[1], f->bytes);
+    sim_forbid_writing(f->board, true); /* pulled in mid-upload */
+    assert_int_equal(finish(f, f->tables[1], f->bytes).status, USB_ERR_FORBIDDEN);
+    assert_int_equal(live(f, 1), 0);
+}
+
+static void flash_too_small_for_the_slots_is_refused(void **state)
+{
+    struct fixture *f = *state;
+    struct hal hal = *sim_hal(f->board);
+    struct table_store s;
+    hal.flash_bytes = BANKS * SIM_FLASH_BLOCK;
+    assert_true(table_store_init(&s, &hal, SLOTS, 0));
+    assert_int_equal(table_store_capacity(&s, 0), SIM_FLASH_BLOCK - 256);
+    assert_int_equal(table_store_capacity(&s, 2), SIM_FLASH_BLOCK - 256);
+    assert_false(table_store_init(&s, &hal, SLOTS + 1, 0));
+    assert_false(table_store_init(&s, &hal, SLOTS, 2 * SIM_FLASH_BLOCK));
+    assert_false(table_store_init(&s, &hal, SLOTS, 100));
+    assert_false(table_store_init(&s, &hal, SLOTS, 0x80001000));
+    hal.flash_block_bytes = 256; /* a bank of one such block would have no room */
+    hal.flash_bytes = BANKS * 256;
+    assert_false(table_store_init(&s, &hal, SLOTS, 0));
+    hal.flash_bytes = 2 * BANKS * 256;
+    assert_true(table_store_init(&s, &hal, SLOTS, 0));
+}
+
+/* True when programming `offset` ends the process by abort. */
+static bool program_aborts(struct fixture *f, uint32_t offset, uint32_t bytes)
+{
+    static const uint32_t zeros[4];
+    int status;
+    pid_t child = fork();
+    if (child == 0) {
+        close(2);
+        sim_hal(f->board)->flash_program(f->board, offset, zeros, bytes);
+        _exit(0);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT;
+}
+
+static void simulated_flash_insists_on_the_rules_of_nor(void **state)
+{
+    struct fixture *f = *state;
+    uint32_t bytes;
+    sim_flash(f->board, &bytes);
+    assert_false(program_aborts(f, 8, 8));
+    assert_int_equal(sim_hal(f->board)->flash_program(f->board, 8, "1234", 4), HAL_OK);
+    assert_true(program_aborts(f, 8, 8));
+    assert_true(program_aborts(f, 4, 8));
+    assert_false(program_aborts(f, 12, 8));
+    assert_true(program_aborts(f, 13, 4));
+    assert_true(program_aborts(f, 16, 3));
+    assert_true(program_aborts(f, bytes - 4, 8));
+    assert_int_equal(sim_hal(f->board)->flash_erase(f->board, 0), HAL_OK);
+    assert_false(program_aborts(f, 8, 8));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(crc_is_that_of_ieee_802_3),
+        cmocka_unit_test_setup_teardown(committed_table_is_live_and_survives_a_restart, setup, teardown),
+        cmocka_unit_test_setup_teardown(header_is_as_specified, setup, teardown),
+        cmocka_unit_test_setup_teardown(upload_without_commit_leaves_the_old_table, setup, teardown),
+        cmocka_unit_test_setup_teardown(failure_at_any_operation_leaves_one_whole_table, setup, teardown),
+        cmocka_unit_test_setup_teardown(flipped_bit_in_the_live_bank_falls_back_to_the_older_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(bank_of_another_slot_is_not_mounted, setup, teardown),
+        cmocka_unit_test_setup_teardown(damaged_upload_is_refused, setup, teardown),
+        cmocka_unit_test_setup_teardown(any_length_in_any_pieces_is_stored, setup, teardown),
+        cmocka_unit_test_setup_teardown(blocks_are_erased_as_the_data_arrives, setup, teardown),
+        cmocka_unit_test_setup_teardown(begin_refuses_what_cannot_be_stored, setup, teardown),
+        cmocka_unit_test_setup_teardown(flash_too_small_for_the_slots_is_refused, setup, teardown),
+        cmocka_unit_test_setup_teardown(simulated_flash_insists_on_the_rules_of_nor, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
