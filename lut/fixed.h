@@ -42,6 +42,12 @@ static inline uint32_t fx_mulhi_u(uint32_t a, uint32_t b)
     return (uint32_t)(((uint64_t)a * b) >> 32);
 }
 
+/* Square. In: |x| < 2^16. */
+static inline uint32_t fx_square(int32_t x)
+{
+    return (uint32_t)x * (uint32_t)x;
+}
+
 /* Saturating unsigned sum. */
 static inline uint32_t fx_add_sat(uint32_t a, uint32_t b)
 {

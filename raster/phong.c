@@ -36,14 +36,18 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene
             continue;
         count++;
         nl = fx_min(nl, 32768);
-        struct vec3 d = {((2 * nl * n.x + (1 << 14)) >> 15) - l.x - v.x, ((2 * nl * n.y + (1 << 14)) >> 15) - l.y - v.y,
-                         ((2 * nl * n.z + (1 << 14)) >> 15) - l.z - v.z}; /* r - v, Q15, |.| <= 2 */
-        uint32_t half_d2 = ((uint32_t)(d.x * d.x) >> 1) + ((uint32_t)(d.y * d.y) >> 1) + ((uint32_t)(d.z * d.z) >> 1);
-        uint32_t power = 0; /* max(v.r, 0)^n, 1.0 = 2^30; v.r = 1 - |d|^2/2 */
-        if (half_d2 < 1u << 30) {
-            uint32_t y = (30u << 25) - lut_log2((1u << 30) - half_d2); /* -log2(v.r) */
-            uint64_t ny = (uint64_t)y * m->exponent >> 16;             /* 2^30 * 2^28 before the shift */
-            power = lut_exp2_neg(ny > UINT32_MAX ? UINT32_MAX : (uint32_t)ny);
+        uint32_t power = 0; /* max(v.r, 0)^n, 1.0 = 2^30 */
+        if (2 * (nl * (nv >> 15) >> 15) > fx_dot(l, v) >> 15) {
+            /* d = r - v, Q15, shorter than sqrt(2) here: squares below 2^31; v.r = 1 - |d|^2/2 */
+            int32_t dx = ((2 * nl * n.x + (1 << 14)) >> 15) - l.x - v.x,
+                    dy = ((2 * nl * n.y + (1 << 14)) >> 15) - l.y - v.y,
+                    dz = ((2 * nl * n.z + (1 << 14)) >> 15) - l.z - v.z;
+            uint32_t half_d2 = fx_square(dx) / 2 + fx_square(dy) / 2 + fx_square(dz) / 2;
+            if (half_d2 < 1u << 30) {
+                uint32_t y = (30u << 25) - lut_log2((1u << 30) - half_d2); /* -log2(v.r) */
+                uint64_t ny = (uint64_t)y * m->exponent >> 16;             /* 2^30 * 2^28 before the shift */
+                power = lut_exp2_neg(ny > UINT32_MAX ? UINT32_MAX : (uint32_t)ny);
+            }
         }
         for (int k = 0; k < 3; k++) {
             uint64_t f = diffuse[k] + (specular[k] * power >> (30 - drop[k])); /* 2^32 * 2^30; drop <= 14 */
