@@ -93,9 +93,11 @@ enum raster_status app_frame_begin(struct app *app, bool streamed)
 
 static uint32_t modelled_ticks(const struct raster_stats *s)
 {
-    /* < 2^32: a tile has at most 4096 pixels, 16 lights, 256 meshlets of 32 triangles; each triangle tests a pixel once at most */
-    return COST_TILE + COST_MESHLET * s->meshlets + COST_TRIANGLE * s->triangles + COST_TESTED * s->tested +
-           COST_COVERED * s->covered + COST_SHADED * s->shaded + COST_FETCH * s->fetches;
+    uint64_t cost = COST_TILE; /* < 2^41: seven products of 32 and at most 10 bits */
+    cost += (uint64_t)COST_MESHLET * s->meshlets + (uint64_t)COST_TRIANGLE * s->triangles;
+    cost += (uint64_t)COST_TESTED * s->tested + (uint64_t)COST_COVERED * s->covered;
+    cost += (uint64_t)COST_SHADED * s->shaded + (uint64_t)COST_FETCH * s->fetches;
+    return cost < UINT32_MAX ? (uint32_t)cost : UINT32_MAX;
 }
 
 static void stats_add(struct usb_tile_stats *sum, const struct usb_tile_stats *t)

@@ -155,10 +155,11 @@ struct message {
     bool between_frames;  /* waits for the end of the frame in flight */
 };
 
-/* COMMIT is checked while frames go on and waits by itself. */
+/* COMMIT is checked while frames go on and waits by itself: what is live changes only between two frames, so that the
+ * spare bank, which BEGIN erases at once, is never one that a frame uses. */
 static const struct message messages[] = {
     [USB_MSG_INFO] = {info_serve, 0, 0, false},
-    [USB_MSG_BEGIN] = {begin_serve, sizeof(struct usb_begin), sizeof(struct usb_begin), true},
+    [USB_MSG_BEGIN] = {begin_serve, sizeof(struct usb_begin), sizeof(struct usb_begin), false},
     [USB_MSG_DATA] = {data_serve, sizeof(struct usb_data) + 1, USB_MAX_PAYLOAD, false},
     [USB_MSG_COMMIT] = {commit_serve, 0, 0, false},
     [USB_MSG_ABORT] = {abort_serve, 0, 0, false},

@@ -12,8 +12,8 @@
  * multiple of the packet size, so that a host's read of any multiple of the packet size ends with the reply.
  *
  * Order: one request is served at a time; further ones wait in the endpoint, also while a frame is streamed.
- * What changes the picture (BEGIN, COMMIT, SELECT, SET, RESET), FRAME and STATS take effect between two
- * frames; INFO, DATA and ABORT at once.
+ * What changes the picture (COMMIT, SELECT, SET, RESET), FRAME and STATS take effect between two frames; INFO,
+ * BEGIN, DATA and ABORT at once.
  *
  * Recovery: a header with wrong magic or version, or a length above USB_MAX_DRAIN, is answered, then the OUT
  * endpoint stalls. Clearing the halt of the OUT endpoint drops a half-received request; clearing the halt of
