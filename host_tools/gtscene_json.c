@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* open_memstream */
 #include "gtscene_json.h"
 
 #include "common.h"

@@ -114,8 +114,7 @@ static bool material_is_valid(const struct scene_material *m)
 static bool object_is_valid(const struct scene_object *o, uint32_t mesh_count, uint32_t material_count)
 {
     return o->mesh < mesh_count && o->material < material_count && o->scale_mantissa >= 1u << 30 &&
-           o->scale_mantissa < 1u << 31 && o->scale_shift >= 0 && o->scale_shift <= 40 &&
-           is_rotation(o->rotation);
+           o->scale_mantissa < 1u << 31 && o->scale_shift >= 0 && o->scale_shift <= 40 && is_rotation(o->rotation);
 }
 
 /* Rows orthonormal within 2^-12. Bound: |entries| <= 2^14 + 64, so |sum| <= 3 * 2^28.02 < 2^30. */

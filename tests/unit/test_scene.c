@@ -467,6 +467,27 @@ static void cones_never_cull_a_triangle_that_faces_the_eye(void **state)
     assert_true(culled > 0.7 * hidden);
 }
 
+static void cone_cutoffs_are_the_sine_of_the_widest_normal_rounded_up(void **state)
+{
+    (void)state;
+    for (unsigned i = 0; i < ref->meshlet_count; i++) {
+        const struct ref_meshlet *m = &ref->meshlets[i];
+        double z_length = sqrt(dot(m->frame[2], m->frame[2])), sine = 0;
+        for (unsigned t = 0; t < m->triangle_count; t++) {
+            const double *corner[3];
+            double g[3], across = 0;
+            triangle_get(corner, g, m, t);
+            double along = dot(g, m->frame[2]) / z_length;
+            for (int k = 0; k < 3; k++)
+                across += pow(g[k] - along * m->frame[2][k] / z_length, 2);
+            sine = along <= 0 ? 2 : fmax(sine, sqrt(across / dot(g, g)));
+        }
+        /* the test multiplies by the rounded axis, whose length differs from 1: the cutoff makes good for it */
+        assert_true(m->cone_cutoff >= fmin(1, sine * z_length));
+        assert_true(m->cone_cutoff <= sine + 4.0 / 16384 || m->cone_cutoff == 1);
+    }
+}
+
 static void meshes_are_closed_and_face_outwards(void **state)
 {
     (void)state;
@@ -556,6 +577,7 @@ int main(void)
         cmocka_unit_test(reference_reader_agrees_with_the_structures),
         cmocka_unit_test(boxes_are_tight),
         cmocka_unit_test(cones_never_cull_a_triangle_that_faces_the_eye),
+        cmocka_unit_test(cone_cutoffs_are_the_sine_of_the_widest_normal_rounded_up),
         cmocka_unit_test(meshes_are_closed_and_face_outwards),
         cmocka_unit_test(sphere_is_within_the_quantisation_bounds),
         cmocka_unit_test(normals_agree_with_the_triangles),
