@@ -205,8 +205,9 @@ static void room_around_the_eye_leaves_no_background(void **state)
         ref_blob_object(&b, mesh, 0, origin, half / 32000);
         b.near = fmax(half * exp2(random_between(-12, -3)), 0x1p-16);
         b.focal = exp2(random_between(-1, 3));
-        /* The near plane's corner must stay inside of the room, whichever way the eye looks. */
-        double margin = half - 1.01 * b.near * sqrt(1 + 4 / b.focal / b.focal) - 0x1p-12;
+        /* The near plane's corner must stay inside of the room, whichever way the eye looks, and although a vertex's
+         * place is rounded to a part of the object's size, and eye and near plane to 2^-16. */
+        double margin = half - 1.01 * b.near * sqrt(1 + 4 / b.focal / b.focal) - half * 0x1p-13 - 0x1p-14;
         for (int i = 0; i < 3; i++)
             b.eye[i] = n & 1 ? random_between(-margin, margin) : random_unit() < 0.5 ? -margin : margin;
         if (margin > 0) {
