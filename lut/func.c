@@ -2,14 +2,16 @@
 #include "func.h"
 #include "func_tables.h"
 
-/* Second-order (Bessel) interpolation between t[0] and t[1]; t[-1] and t[2] must exist. In: f in [0, 1) with
- * 1.0 = 2^31. Differences of neighbours are below 2^28 in every table, so no sum overflows. */
+/* Second-order (Bessel) interpolation between t[0] and t[1]; t[-1] and t[2] must exist. In: f in [0, 1] with
+ * 1.0 = 2^31. Differences of neighbours are below 2^28 in every table, so no sum overflows. Everything is written in
+ * g = f - 1, which is never positive: compilers then multiply signed by signed, in one instruction. */
 static int32_t interpolate(const int32_t *t, uint32_t f)
 {
+    int32_t g = (int32_t)(f ^ 0x80000000u);
     int32_t d1 = t[1] - t[0];
-    int32_t d2 = t[2] - t[1] - t[0] + t[-1];                      /* twice the mean second difference */
-    int32_t bow = fx_mulhi((int32_t)f, (int32_t)(INT32_MAX - f)); /* f (1-f), 1.0 = 2^30 */
-    return t[0] + (int32_t)(((int64_t)d1 * (int32_t)f) >> 31) - fx_mulhi(d2, bow); /* bow * d2 / 4 */
+    int32_t d2 = t[2] - t[1] - t[0] + t[-1];                              /* twice the mean second difference */
+    int32_t bow = fx_mulhi(g, g) + (g >> 1);                              /* -f (1-f), 1.0 = 2^30 */
+    return t[1] + (int32_t)(((int64_t)d1 * g) >> 31) + fx_mulhi(d2, bow); /* bow * d2 / 4 */
 }
 
 uint32_t lut_rsqrt(uint32_t x, unsigned *shift)
@@ -52,10 +54,8 @@ uint32_t lut_angle_from_sin2_half(uint32_t s2)
     if (s2 > 1u << 29) {
         s2 = 1u << 29;
     }
-    /* angle = sqrt(s2) g(s2), g smooth. The node grid ends at 1/2, whose cell is the last one. */
-    uint32_t i = s2 < 1u << 29 ? s2 >> 26 : 7;
-    uint32_t f = (s2 - (i << 26)) << 5;                                                    /* at most 2^31 */
-    uint32_t g = (uint32_t)interpolate(func_angle + 1 + i, f > INT32_MAX ? INT32_MAX : f); /* 1.0 = 2^31 */
+    /* angle = sqrt(s2) g(s2), g smooth */
+    uint32_t g = (uint32_t)interpolate(func_angle + 1 + (s2 >> 26), s2 << 5 & INT32_MAX); /* 1.0 = 2^31 */
     unsigned shift;
     uint32_t r = lut_rsqrt(s2, &shift);
     uint32_t s = fx_mulhi_u(s2 << (32 - 2 * shift), r); /* sqrt(s2) * 2^(45 - shift), below 2^31 */

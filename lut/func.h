@@ -22,7 +22,7 @@ uint32_t lut_log2(uint32_t x);
 
 /* 2^-y for y >= 0 in units of 2^-25. Out: 1.0 = 2^30; 0 when y >= 31. Relative error <= 2^-18 while y < 12, then
  * one unit. Powers: x^n = lut_exp2_neg(n * (log2(1) - lut_log2(x))), with the product capped to 32 bits, is good to
- * 2^-13 relative for n <= 4096 where the result is above 2^-12. */
+ * 2^-12 relative for n <= 4096 where the result is above 2^-12. */
 uint32_t lut_exp2_neg(uint32_t y);
 
 /* Angle from the squared sine of its half: theta = 2 asin(sqrt(s2)), for theta in 0..90 degrees.

@@ -19,9 +19,9 @@ extern const int32_t func_log2[67];
 /* [i] = 2^30 2^(-(i-1)/16), guarded */
 extern const int32_t func_exp2[19];
 
-/* [i] = 2^31 g((i-1)/16), guarded; g(u) = 2 asin(sqrt(u)) / (pi sqrt(u)), g(0) = 2/pi, for u < 0 its analytic
+/* [i] = 2^31 g((i-1)/16), guarded, with a node more as 1/2 itself is in the range; g(u) = 2 asin(sqrt(u)) / (pi sqrt(u)), g(0) = 2/pi, for u < 0 its analytic
  * continuation 2 asinh(sqrt(-u)) / (pi sqrt(-u)) */
-extern const int32_t func_angle[11];
+extern const int32_t func_angle[12];
 
 /* [i] = 2^28 atan((i-1)/16) / 2pi, guarded */
 extern const int32_t func_atan[19];

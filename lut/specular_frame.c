@@ -1,8 +1,8 @@
 /*
  * The specular-frame table (Cezner and Havran 2024, eqs. 14-16), in integers and without a tangent frame.
  *
- * With r = 2 (n.l)/(n.n) n - l, the mirror direction of l, and t = n x l, |t| = sin(theta_in), the paper's rotated view
- * direction S v has the components (v.(r x t), -(v.t)) / |t| in the plane across r and v.r along it. Hence
+ * With r = 2 (n.l)/(n.n) n - l, the mirror direction of l, and t = l x n, |t| = sin(theta_in), the paper's rotated view
+ * direction S v has the components (v.(t x r), v.t) / |t| in the plane across r and v.r along it. Hence
  * theta_d follows from |v - r|, and phi_d from the first two, whose common factor cancels. All differences are
  * taken between vectors, before squaring, so that small angles keep their bits.
  */
@@ -51,13 +51,13 @@ static void coordinates_find(struct coordinates *out, int32_t nl, struct vec3 n,
     }
     out->theta_in = lut_angle_from_sin2_half(quarter_square((n.x - l.x) * 4, (n.y - l.y) * 4, (n.z - l.z) * 4));
 
-    struct vec3 t = {cross_wrapping(n.y, l.z, n.z, l.y), cross_wrapping(n.z, l.x, n.x, l.z),
-                     cross_wrapping(n.x, l.y, n.y, l.x)}; /* 1.0 = 2^30 */
-    struct vec3 u = {(int32_t)(((int64_t)r.y * t.z - (int64_t)r.z * t.y) >> 17),
-                     (int32_t)(((int64_t)r.z * t.x - (int64_t)r.x * t.z) >> 17),
-                     (int32_t)(((int64_t)r.x * t.y - (int64_t)r.y * t.x) >> 17)}; /* r x t, 1.0 = 2^30 */
+    struct vec3 t = {cross_wrapping(l.y, n.z, l.z, n.y), cross_wrapping(l.z, n.x, l.x, n.z),
+                     cross_wrapping(l.x, n.y, l.y, n.x)}; /* 1.0 = 2^30 */
+    struct vec3 u = {(int32_t)(((int64_t)t.y * r.z - (int64_t)t.z * r.y) >> 17),
+                     (int32_t)(((int64_t)t.z * r.x - (int64_t)t.x * r.z) >> 17),
+                     (int32_t)(((int64_t)t.x * r.y - (int64_t)t.y * r.x) >> 17)}; /* t x r, 1.0 = 2^30 */
     /* 1.0 = 2^30: within int32 for unit vectors, lut_turn takes anything for others */
-    out->phi_d = lut_turn((int32_t)(-dot64(v, t) >> 15), (int32_t)(dot64(v, u) >> 15));
+    out->phi_d = lut_turn((int32_t)(dot64(v, t) >> 15), (int32_t)(dot64(v, u) >> 15));
 }
 
 /* The cell of a coordinate with 12 fraction bits: lower node, distance to the upper node (0 at the last node),
@@ -75,25 +75,51 @@ static struct cell cell_find(uint32_t x, uint32_t nodes)
     return (struct cell){x >> 12, 1, x & 4095};
 }
 
-/* Eight weights that sum to exactly 2^20, x fastest. Products are at most 2^20 * 4095 + 2^11 < 2^32. */
-static void weights_find(uint32_t w[8], uint32_t fx, uint32_t fy, uint32_t fz)
+/* Splits weight w, at most 2^20, by the fraction: the upper part is returned and taken off w, so that the total stays.
+ * The product is at most 2^20 * 4095 + 2^11 < 2^32. */
+static uint32_t weight_split(uint32_t *w, uint32_t fraction)
 {
-    w[4] = fz << 8;
-    w[0] = (1u << 20) - w[4];
-    for (int i = 0; i < 8; i += 4) {
-        w[i + 2] = (w[i] * fy + 2048) >> 12;
-        w[i] -= w[i + 2];
-    }
-    for (int i = 0; i < 8; i += 2) {
-        w[i + 1] = (w[i] * fx + 2048) >> 12;
-        w[i] -= w[i + 1];
-    }
+    uint32_t upper = (*w * fraction + 2048) >> 12;
+    *w -= upper;
+    return upper;
+}
+
+/* Adds a texel with its weight, scaled to the exponent `largest`. All eight sum up to at most 511 * 2^20. */
+static void tap_add(uint32_t sum[3], uint32_t texel, uint32_t weight, uint32_t largest)
+{
+    struct lut_rgb m = lut_rgb9e5_decode(texel);
+    weight >>= largest - (texel >> 27);
+    sum[0] += m.c[0] * weight;
+    sum[1] += m.c[1] * weight;
+    sum[2] += m.c[2] * weight;
+}
+
+/* The texels of a row's cell and their weights, which sum to `weight`. */
+struct pair {
+    uint32_t low, high, low_weight, high_weight;
+};
+
+static struct pair pair_fetch(uint32_t *largest, const uint32_t *row, struct cell x, uint32_t weight)
+{
+    struct pair p;
+    p.low = row[0];
+    p.high = row[x.step];
+    p.high_weight = weight_split(&weight, x.fraction);
+    p.low_weight = weight;
+    *largest = p.low >> 27 > *largest ? p.low >> 27 : *largest;
+    *largest = p.high >> 27 > *largest ? p.high >> 27 : *largest;
+    return p;
+}
+
+static void pair_add(uint32_t sum[3], struct pair p, uint32_t largest)
+{
+    tap_add(sum, p.low, p.low_weight, largest);
+    tap_add(sum, p.high, p.high_weight, largest);
 }
 
 unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
 {
     struct coordinates at;
-    uint32_t w[8], texel[8], largest = 0, sum[3] = {0, 0, 0};
     int32_t nl = dot_wrapping(n, l);
     if (nl <= 0 || dot_wrapping(n, v) <= 0) {
         *out = (struct lut_rgb){{0, 0, 0}, 0};
@@ -105,24 +131,25 @@ unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n,
     struct cell x = cell_find(fx_mulhi_u(at.phi_d, (t->width - 1) << 16), t->width);
     struct cell y = cell_find(fx_mulhi_u(at.theta_d, (t->height - 1) << 16), t->height);
     struct cell z = cell_find(fx_mulhi_u(at.theta_in, t->slice_scale), t->depth);
-    weights_find(w, x.fraction, y.fraction, z.fraction);
+
+    /* Eight weights that sum to exactly 2^20. */
+    uint32_t w00 = 1u << 20, largest = 0, sum[3] = {0, 0, 0};
+    uint32_t w10 = weight_split(&w00, z.fraction);
+    uint32_t w01 = weight_split(&w00, y.fraction), w11 = weight_split(&w10, y.fraction);
     const uint32_t *first = t->texels + (z.node * t->height + y.node) * t->width + x.node; /* < 2^24 */
-    uint32_t row = y.step * t->width, slice = z.step * t->width * t->height;
-    for (uint32_t i = 0; i < 8; i++) {
-        texel[i] = first[(i & 1 ? x.step : 0) + (i & 2 ? row : 0) + (i & 4 ? slice : 0)];
-        largest = texel[i] >> 27 > largest ? texel[i] >> 27 : largest;
-    }
-    for (int i = 0; i < 8; i++) {
-        struct lut_rgb m = lut_rgb9e5_decode(texel[i]);
-        uint32_t weight = w[i] >> (largest - (texel[i] >> 27));
-        sum[0] += m.c[0] * weight;
-        sum[1] += m.c[1] * weight;
-        sum[2] += m.c[2] * weight; /* <= 511 * 2^20 */
-    }
-    uint32_t cosine = (uint32_t)fx_min(nl, 1 << 30);
-    for (int i = 0; i < 3; i++) {
-        out->c[i] = (fx_mulhi_u(sum[i], cosine) + 32) >> 6; /* <= 511 * 2^12 */
-    }
+    const uint32_t *second = first + z.step * t->width * t->height;
+    uint32_t row = y.step * t->width;
+    struct pair p00 = pair_fetch(&largest, first, x, w00), p01 = pair_fetch(&largest, first + row, x, w01);
+    struct pair p10 = pair_fetch(&largest, second, x, w10), p11 = pair_fetch(&largest, second + row, x, w11);
+    pair_add(sum, p00, largest);
+    pair_add(sum, p01, largest);
+    pair_add(sum, p10, largest);
+    pair_add(sum, p11, largest);
+
+    uint32_t cosine = (uint32_t)nl > 1u << 30 ? 1u << 30 : (uint32_t)nl;
+    out->c[0] = (fx_mulhi_u(sum[0], cosine) + 32) >> 6; /* <= 511 * 2^12 */
+    out->c[1] = (fx_mulhi_u(sum[1], cosine) + 32) >> 6;
+    out->c[2] = (fx_mulhi_u(sum[2], cosine) + 32) >> 6;
     out->e = (int32_t)largest - 24 - 12;
     return 8;
 }
