@@ -8,9 +8,7 @@
 
 #include "common.h"
 #include "gtlut_table.h"
-#include "host_csv.h"
 #include "host_measurement.h"
-#include "host_rgl.h"
 #include "host_specular_frame.h"
 
 static const char help[] =
@@ -111,8 +109,6 @@ int gtlut_info(int argc, char **argv)
     const char *path = gtlut_argument(argc, argv, "file");
     size_t bytes;
     void *data = read_file(path, MAX_FILE_BYTES, &bytes);
-    if (rgl_recognise(data, bytes))
-        die(EXIT_BAD_INPUT, "%s: an RGL material file; gtlut import it first", path);
     if (table_recognise(data, bytes)) {
         struct table_file t;
         table_open(&t, path, data, bytes);
@@ -121,10 +117,7 @@ int gtlut_info(int argc, char **argv)
         return EXIT_OK;
     }
     struct measurement m;
-    if (measurement_recognise(data, bytes))
-        measurement_parse(&m, path, data, bytes);
-    else
-        csv_parse(&m, path, data, bytes);
+    measurement_load(&m, path, data, bytes);
     print_measurement(&m, bytes, path);
     measurement_free(&m);
     free(data);

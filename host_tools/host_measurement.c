@@ -7,6 +7,7 @@
 
 #include "common.h"
 #include "host_csv.h"
+#include "host_rgl.h"
 
 /* The file, little-endian (SPEC.md, "Measurement file"). The line ends in the magic show a transfer that
  * changed them. */
@@ -146,14 +147,21 @@ void measurement_parse(struct measurement *out, const char *path, const uint8_t 
     }
 }
 
-void measurement_read(struct measurement *out, const char *path)
+void measurement_load(struct measurement *out, const char *path, uint8_t *data, size_t bytes)
 {
-    size_t bytes;
-    uint8_t *data = read_file(path, MAX_FILE_BYTES, &bytes);
+    if (rgl_recognise(data, bytes))
+        die(EXIT_BAD_INPUT, "%s: an RGL material file; gtlut import it first", path);
     if (measurement_recognise(data, bytes))
         measurement_parse(out, path, data, bytes);
     else
         csv_parse(out, path, (char *)data, bytes);
+}
+
+void measurement_read(struct measurement *out, const char *path)
+{
+    size_t bytes;
+    uint8_t *data = read_file(path, MAX_FILE_BYTES, &bytes);
+    measurement_load(out, path, data, bytes);
     free(data);
 }
 

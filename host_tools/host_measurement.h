@@ -43,11 +43,14 @@ void measurement_init(struct measurement *out, const char *source);
 void measurement_add(struct measurement *m, const struct measurement_point *point);
 void measurement_free(struct measurement *m);
 
-/* Reads a measurement file (SPEC.md, "Measurement file") or CSV, told apart by content. Dies with EXIT_FILE
- * or EXIT_BAD_INPUT. */
+/* Reads a measurement file (SPEC.md, "Measurement file") or CSV, told apart by content. Dies with EXIT_FILE or
+ * EXIT_BAD_INPUT. */
 void measurement_read(struct measurement *out, const char *path);
 
-/* From bytes in memory; `path` is for messages. */
+/* The same from the `bytes` bytes of a file and a NUL after them, which are cut up in place; `path` is for messages. */
+void measurement_load(struct measurement *out, const char *path, uint8_t *data, size_t bytes);
+
+/* A measurement file only. */
 bool measurement_recognise(const uint8_t *data, size_t bytes);
 void measurement_parse(struct measurement *out, const char *path, const uint8_t *data, size_t bytes);
 

@@ -534,6 +534,8 @@ static void rgl_says_what_it_cannot_use(void **state)
     rgl_dies_with(7, (struct field){"rgb", 10, 4, {1, 5, 3, 6}}, "field 'rgb' has 4 dimensions");
     rgl_dies_with(5, (struct field){"vndf", 10, 4, {1, 4, 9, 11}}, "field 'vndf' has a shape");
     rgl_dies_with(3, (struct field){"ndf", 10, 2, {1, 16}}, "field 'ndf' has a shape");
+    rgl_dies_with(5, (struct field){"vndf", 10, 4, {65536, 65536, 65536, 65536}}, "'vndf' has extent 65536");
+    rgl_dies_with(8, (struct field){"jacobian", 1, 1, {0}}, "'jacobian' has extent 0");
     struct bytes b = make_rgl(1);
     b.data[b.count - 2] = 0x7f; /* the last rgb value becomes NaN */
     b.data[b.count - 3] = 0xff;

@@ -1,0 +1,256 @@
+#!/usr/bin/env bash
+# gtlut's command line: what each subcommand writes, what it refuses, and how it says so.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+B=$(cd "${B:-build}" && pwd) || exit 1
+G=$B/gtlut
+DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
+T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
+cd "$T" || exit 1
+n=0
+
+ok() { # claim command...
+    local claim=$1
+    shift
+    n=$((n + 1))
+    if "$@" >log 2>&1; then echo "ok $n - $claim"; else
+        echo "not ok $n - $claim"
+        sed 's/^/# /' log | head -20
+    fi
+}
+skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
+
+# run command...: exit code 0 and nothing on stderr
+quiet() {
+    "$@" 2>quiet_err || { echo "exit code $?: $*"; cat quiet_err; return 1; }
+    [ ! -s quiet_err ] || { echo "stderr of $*:"; cat quiet_err; return 1; }
+}
+
+# says pattern command...: exit code 0 and the pattern in a message on stderr
+says() {
+    local pattern=$1
+    shift
+    "$@" 2>says_err || { echo "exit code $?: $*"; cat says_err; return 1; }
+    grep -qE "^gtlut: [a-z]+: .*$pattern" says_err || { echo "no message like: $pattern"; cat says_err; return 1; }
+}
+
+# refused code pattern arguments of gtlut...: that exit code, one message with the pattern, nothing on stdout, no new file,
+# and a file of the output's name as it was
+refused() {
+    local code=$1 pattern=$2 got before after name
+    shift 2
+    for name in out.csv out.gtm out.ktx2 out.png out.exr; do echo keep >$name; done
+    before=$(ls -A)
+    "$G" "$@" >refused_out 2>refused_err
+    got=$?
+    rm -f refused_kept && for name in out.csv out.gtm out.ktx2 out.png out.exr; do
+        [ "$(cat $name 2>&1)" = keep ] || { echo "$name was changed by: $*"; return 1; }
+    done
+    [ $got = "$code" ] || { echo "exit code $got, not $code: $*"; cat refused_err; return 1; }
+    grep -qE "^gtlut: ([a-z]+: )?.*$pattern" refused_err || { echo "no message like '$pattern': $*"; cat refused_err; return 1; }
+    [ "$(wc -l <refused_err)" = 1 ] || { echo "not one line: $*"; cat refused_err; return 1; }
+    [ ! -s refused_out ] || { echo "output on stdout: $*"; return 1; }
+    after=$(ls -A)
+    [ "$(printf '%s\n' "$before" refused_out refused_err | sort -u)" = "$(printf '%s\n' "$after" refused_out refused_err | sort -u)" ] ||
+        { echo "left a file: $*"; echo "$after"; return 1; }
+}
+
+# --- help ---
+helps() {
+    quiet "$G" --help >out && grep -q 'usage: gtlut' out || return 1
+    quiet "$G" --version >out && grep -qxE 'gtlut [0-9]+\.[0-9]+\.[0-9]+' out || return 1
+    for s in measure import build info export; do
+        grep -q "^  $s " <("$G" --help) || { echo "$s is not in gtlut --help"; return 1; }
+        quiet "$G" $s --help >out && grep -q "usage: gtlut $s" out || return 1
+    done
+}
+ok "help and version go to stdout with exit code 0, for every subcommand" helps
+
+# --- measure ---
+lists() {
+    quiet "$G" measure --list >list || return 1
+    [ "$(wc -l <list)" -ge 10 ] || { echo "fewer than 10 materials"; return 1; }
+}
+ok "measure --list names at least ten materials" lists
+
+measures_white() {
+    quiet "$G" measure matte_white -o white.csv || return 1
+    grep -v '^#' white.csv | head -1 | grep -qx 'theta_in,theta_out,phi_out,R,G,B' || return 1
+    grep -v '^[#t]' white.csv | awk -F, '
+        { angles[$1]++; if ($2 > t) t = $2; if ($3 > p) p = $3; d = $4 * 3.14159265 / 0.8 - 1; if (d * d > 1e-12 || $4 != $6) bad++ }
+        END { exit !(NR == 109440 && angles[0] == 27360 && angles[60] == 27360 && t == 75 && p == 359 && !bad) }'
+}
+ok "measure writes 4 x 76 x 360 directions; matte_white is 0.8/pi in each" measures_white
+
+measures_noise() {
+    quiet "$G" measure plastic_red --noise 2 --seed 7 -o a.csv && quiet "$G" measure plastic_red --noise 2 --seed 7 -o - >b.csv || return 1
+    quiet "$G" measure plastic_red --noise 2 --seed 8 -o c.csv && quiet "$G" measure plastic_red -o d.csv || return 1
+    cmp a.csv b.csv || return 1
+    ! cmp -s a.csv c.csv || { echo "the seed changes nothing"; return 1; }
+    paste -d, a.csv d.csv | grep -v '^[#t]' | awk -F, '{ d = $4 / $10 - 1; s += d; ss += d * d }
+        END { m = s / NR; r = sqrt(ss / NR); print m, r; exit !(m * m < 1e-6 && r > 0.0195 && r < 0.0205) }'
+}
+ok "measure --noise is Gaussian of that percentage, repeats with the seed and goes to stdout as to a file" measures_noise
+
+conserves_energy() {
+    local m
+    for m in $(cut -d' ' -f1 list); do
+        quiet "$G" measure "$m" -o m.csv && quiet "$G" build m.csv --size 181x91 -o m.ktx2 || return 1
+        quiet "$G" info m.ktx2 >out && [ "$(grep -c '^albedo' out)" = 4 ] || return 1
+        awk -v m="$m" '/^albedo/ { for (i = 5; i <= 7; i++) if ($i <= 0.01 || $i > 1) { print m, $0; bad = 1 } } END { exit bad }' out || return 1
+    done
+}
+ok "no built-in material creates energy, not even the one narrower than the aperture" conserves_energy
+
+measures_dense() {
+    quiet "$G" measure matte_red --geometry dense -o dense.csv && quiet "$G" build dense.csv --size 46x46 -o dense.ktx2 || return 1
+    quiet "$G" info dense.ktx2 | grep -qx 'theta_in: 0 5 10 15 20 25 30 35 40 45 50 55 60 65 70 75 80 85'
+}
+ok "measure --geometry dense gives 18 angles of incidence" measures_dense
+
+# --- import, build, info ---
+imports_csv() {
+    quiet "$G" import white.csv -o white.gtm && quiet "$G" info white.gtm >out || return 1
+    grep -qx 'source: white.csv' out && grep -qx 'points: 109440' out &&
+        grep -qx 'theta_in 60: theta_out 0..75 (76), phi_out 0..359 (360)' out || { cat out; return 1; }
+    quiet "$G" build white.gtm -o a.ktx2 && quiet "$G" build white.csv -o b.ktx2 && cmp a.ktx2 b.ktx2
+}
+ok "import keeps a CSV as it is: the table is the same from either" imports_csv
+
+builds() {
+    quiet "$G" info a.ktx2 >out || return 1
+    for line in 'kind: table, specular frame' "bytes: $(stat -c %s a.ktx2)" 'texels: 361 x 181 x 4 (phi_d, theta_d, theta_in)' 'theta_in: 0 20 40 60' \
+        'goniotile.kind: specular_frame' 'goniotile.theta_max: 60000' 'goniotile.version: 1' 'goniotile.source: white.csv' \
+        'goniotile.extrapolation: p=1,l=0.3,theta_b=75' 'albedo at theta_in 40: 0.8007 0.8007 0.8007'; do
+        grep -qxF "$line" out || { echo "info lacks: $line"; cat out; return 1; }
+    done
+    quiet "$G" build a.csv --size 91x46 --p 0.2 -o - >small.ktx2 && quiet "$G" info small.ktx2 >out &&
+        grep -q '^texels: 91 x 46 x 4 ' out && grep -q 'p=0.2,l=0.3' out || return 1
+    [ "$(stat -c %s a.ktx2)" -lt $((1045456 + 600)) ] && [ "$(stat -c %s small.ktx2)" -lt $((66976 + 600)) ]
+}
+ok "build writes 361 x 181 x 4 texels by default and any size on request" builds
+
+one_slice() {
+    { echo theta_in,theta_out,phi_out,R,G,B; for t in 0 30 60 80; do echo "0,$t,0,0.1,0.2,0.3"; done; } >one.csv
+    quiet "$G" build one.csv --size 19x10 -o one.ktx2 && quiet "$G" info one.ktx2 | grep -qx 'goniotile.theta_max: 90000'
+}
+ok "a single slice makes a table for all angles of incidence" one_slice
+
+reports() {
+    { echo theta_in,theta_out,phi_out,R,G,B; for t in 0 30 60 80; do echo "0,$t,0,7e4,-2,0.3"; done; } >hot.csv
+    says '4 negative values set to 0, the first in line 2' "$G" import hot.csv -o hot.gtm || return 1
+    says 'texels above 65408 1/sr clipped, the largest 70000' "$G" build hot.gtm -o hot.ktx2 || return 1
+    says 'theta_in 0: albedo .* above 1' "$G" build hot.gtm -o hot.ktx2 && [ -s hot.ktx2 ]
+}
+ok "negative, clipped and energy-creating values are reported and go on" reports
+
+imports_rgl() {
+    local f=$DATA/brdf/$1_rgb.bsdf
+    quiet "$G" import "$f" -o r.gtm && quiet "$G" build r.gtm -o r.ktx2 && quiet "$G" info r.ktx2 >out || return 1
+    grep -qx "goniotile.source: $1_rgb.bsdf" out && grep -q '^texels: 361 x 181 x 4 ' out || return 1
+    quiet "$G" import "$f" --format rgl --geometry dense -o r.gtm && quiet "$G" info r.gtm | grep -qx 'points: 576720' || return 1
+    refused 4 'RGL material file; gtlut import it first' build "$f" -o out.ktx2 || return 1
+    refused 4 'RGL material file; gtlut import it first' info "$f" || return 1
+    refused 4 'is rgl, not csv' import "$f" --format csv -o out.gtm || return 1
+    head -c 300000 "$f" >cut.bsdf
+    refused 4 'truncated' import cut.bsdf -o out.gtm
+}
+if [ -r "$DATA/brdf/paper_white_rgb.bsdf" ]; then
+    ok "import evaluates a real material, at the instrument's angles and densely; a cut file is refused" imports_rgl paper_white
+else
+    skip "import evaluates a real material" "no data folder"
+fi
+
+# --- export ---
+png_size() { od -An -tu1 -j16 -N8 "$1" | awk '{ print ($3 * 256 + $4) "x" ($7 * 256 + $8) }'; }
+exports() {
+    quiet "$G" export a.ktx2 -o a.png && [ "$(png_size a.png)" = 722x362 ] || return 1
+    quiet "$G" export dense.ktx2 -o dense.png && [ "$(png_size dense.png)" = 230x184 ] || return 1
+    quiet "$G" export a.ktx2 --exposure 3.2 -o bright.png && ! cmp -s a.png bright.png || return 1
+    quiet "$G" export a.ktx2 -o a.exr && [ "$(od -An -tx1 -N4 a.exr | tr -d ' ')" = 762f3101 ]
+}
+ok "export arranges the slices as PNG and EXR" exports
+
+without_shim() {
+    mkdir -p bin && cp "$G" bin/ || return 1
+    local keep=$G
+    G=$T/bin/gtlut
+    refused 3 'goniotile_oiio.so.*run .make' export a.ktx2 -o out.png
+    local code=$?
+    G=$keep
+    return $code
+}
+ok "export without its OpenImageIO part says so" without_shim
+
+# --- refusals ---
+usage() {
+    refused 2 'no subcommand' && refused 2 "'melt': no such subcommand" melt && refused 2 "'-x': no such" -x || return 1
+    for s in measure import build info export; do
+        refused 2 '0 arguments where one' $s || return 1
+        refused 2 '2 arguments where one' $s a b || return 1
+        refused 2 '--melt: unknown option' $s a --melt || return 1
+        refused 2 '-o: no value' $s a -o || return 1
+    done
+    for s in "measure gold" "import a.csv" "build a.csv" "export a.ktx2"; do refused 2 'no output file; give -o' $s || return 1; done
+    refused 2 'leave it out' info a.ktx2 -o out.csv || return 1
+    refused 2 "'goldd': no such material" measure goldd -o out.csv || return 1
+    refused 2 "--noise: '51' is not a number from 0 to 50" measure gold --noise 51 -o out.csv || return 1
+    refused 2 "--noise: 'nan'" measure gold --noise nan -o out.csv || return 1
+    refused 2 "--seed: '-1'" measure gold --seed -1 -o out.csv || return 1
+    refused 2 "--geometry: 'x' is not minidiff or dense" measure gold --geometry x -o out.csv || return 1
+    refused 2 "--geometry: CSV keeps its own" import a.csv --geometry dense -o out.gtm || return 1
+    refused 2 "--format: 'x' is not csv or rgl" import a.csv --format x -o out.gtm || return 1
+    for size in 1x181 361x1 5000x5 10 361x181x4 x 0x0 -5x5; do refused 2 "--size: '$size' is not" build a.csv --size=$size -o out.ktx2 || return 1; done
+    refused 2 '4096 x 4096 x 4 texels, the limits' build a.csv --size 4096x4096 -o out.ktx2 || return 1
+    refused 2 "--p: '1.5'" build a.csv --p 1.5 -o out.ktx2 && refused 2 "--l: '-0.1'" build a.csv --l=-0.1 -o out.ktx2 || return 1
+    refused 2 "--exposure: '0'" export a.ktx2 --exposure 0 -o out.png || return 1
+    refused 2 "'out.jpg' does not end in" export a.ktx2 -o out.jpg && refused 2 "'out' does not end in" export a.ktx2 -o out
+}
+ok "wrong arguments and options out of range are refused with exit code 2, naming the range" usage
+
+files() {
+    refused 3 'missing: No such file' import missing -o out.gtm && refused 3 'missing: No such file' build missing -o out.ktx2 || return 1
+    refused 3 'missing: No such file' info missing && refused 3 'missing: No such file' export missing -o out.png || return 1
+    refused 3 'none/out.csv: No such file' measure gold -o none/out.csv && refused 3 'none/out.gtm: No such' import one.csv -o none/out.gtm || return 1
+    refused 3 'none/out.ktx2: No such file' build one.csv -o none/out.ktx2 && refused 3 'none/out.png' export a.ktx2 -o none/out.png || return 1
+    mkdir -p folder.ktx2 && refused 3 'folder.ktx2: Is a directory' build one.csv -o folder.ktx2 || return 1
+    refused 3 'Is a directory' build . -o out.ktx2
+}
+ok "unreadable input and unwritable output are refused with exit code 3" files
+
+foreign() {
+    local f
+    head -c 50000 "$B/gtlut" >elf
+    : >empty
+    head -c 5000 a.png >picture
+    head -c 100000 white.gtm >cut.gtm
+    head -c 100000 a.ktx2 >cut.ktx2
+    { cat white.gtm; echo; } >long.gtm
+    { head -c 5000 white.gtm; printf x; tail -c +5002 white.gtm; } >changed.gtm
+    for f in elf empty picture cut.gtm long.gtm changed.gtm cut.ktx2 a.ktx2; do
+        [ $f = cut.gtm ] || [ $f = long.gtm ] || [ $f = changed.gtm ] || refused 4 "$f: " import $f -o out.gtm || return 1
+        refused 4 "$f: " build $f -o out.ktx2 || return 1
+        [ $f = a.ktx2 ] || refused 4 "$f: " info $f || return 1
+        [ $f = a.ktx2 ] || refused 4 "$f: " export $f -o out.png || return 1
+    done
+    refused 4 'already a measurement file' import white.gtm -o out.gtm || return 1
+    refused 4 'CRC-32 is' build changed.gtm -o out.ktx2 && refused 4 'truncated or has a tail' build cut.gtm -o out.ktx2 || return 1
+    refused 4 "file's size is not" export cut.ktx2 -o out.exr && refused 4 'not a KTX 2.0' export white.csv -o out.exr || return 1
+    refused 4 'not an RGL file, not rgl' import white.csv --format rgl -o out.gtm || return 1
+    truncate -s 80M big && refused 4 'big: longer than the limit' export big -o out.png
+}
+ok "truncated, damaged, oversized and foreign files are refused with exit code 4" foreign
+
+malformed() {
+    head -2000 white.csv | sed '1000s/,[^,]*$/,x/' >bad.csv
+    for s in "import bad.csv -o out.gtm" "build bad.csv -o out.ktx2" "info bad.csv"; do
+        refused 4 "bad.csv:1000: B is 'x', not a number; write" $s || return 1
+    done
+    grep -v '^40,30,' white.csv | sed '/^40,29,17,/d' >hole.csv
+    refused 4 'at theta_in 40, theta_out 29' import hole.csv -o out.gtm || return 1
+    grep -v '^20,' white.csv >uneven.csv
+    refused 4 'theta_in 40 stands where equal steps from 0 to 60 want 30' build uneven.csv -o out.ktx2
+}
+ok "malformed CSV is refused naming the line, an irregular grid naming the direction" malformed
+
+echo "1..$n"
