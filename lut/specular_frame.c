@@ -84,37 +84,19 @@ static uint32_t weight_split(uint32_t *w, uint32_t fraction)
     return upper;
 }
 
-/* Adds a texel with its weight, scaled to the exponent `largest`. All eight sum up to at most 511 * 2^20. */
-static void tap_add(uint32_t sum[3], uint32_t texel, uint32_t weight, uint32_t largest)
-{
-    struct lut_rgb m = lut_rgb9e5_decode(texel);
-    weight >>= largest - (texel >> 27);
-    sum[0] += m.c[0] * weight;
-    sum[1] += m.c[1] * weight;
-    sum[2] += m.c[2] * weight;
-}
-
-/* The texels of a row's cell and their weights, which sum to `weight`. */
-struct pair {
-    uint32_t low, high, low_weight, high_weight;
+struct tap {
+    uint32_t texel, weight;
 };
 
-static struct pair pair_fetch(uint32_t *largest, const uint32_t *row, struct cell x, uint32_t weight)
+/* Fetches a row's two texels and splits the row's weight between them. Returns the largest exponent so far. */
+static uint32_t row_fetch(struct tap out[2], const uint32_t *row, struct cell x, uint32_t weight, uint32_t largest)
 {
-    struct pair p;
-    p.low = row[0];
-    p.high = row[x.step];
-    p.high_weight = weight_split(&weight, x.fraction);
-    p.low_weight = weight;
-    *largest = p.low >> 27 > *largest ? p.low >> 27 : *largest;
-    *largest = p.high >> 27 > *largest ? p.high >> 27 : *largest;
-    return p;
-}
-
-static void pair_add(uint32_t sum[3], struct pair p, uint32_t largest)
-{
-    tap_add(sum, p.low, p.low_weight, largest);
-    tap_add(sum, p.high, p.high_weight, largest);
+    out[0].texel = row[0];
+    out[1].texel = row[x.step];
+    out[1].weight = weight_split(&weight, x.fraction);
+    out[0].weight = weight;
+    largest = out[0].texel >> 27 > largest ? out[0].texel >> 27 : largest;
+    return out[1].texel >> 27 > largest ? out[1].texel >> 27 : largest;
 }
 
 unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
@@ -132,24 +114,30 @@ unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n,
     struct cell y = cell_find(fx_mulhi_u(at.theta_d, (t->height - 1) << 16), t->height);
     struct cell z = cell_find(fx_mulhi_u(at.theta_in, t->slice_scale), t->depth);
 
-    /* Eight weights that sum to exactly 2^20. */
-    uint32_t w00 = 1u << 20, largest = 0, sum[3] = {0, 0, 0};
-    uint32_t w10 = weight_split(&w00, z.fraction);
+    /* The eight weights sum to exactly 2^20. */
+    struct tap taps[8];
+    uint32_t w00 = 1u << 20, w10 = weight_split(&w00, z.fraction);
     uint32_t w01 = weight_split(&w00, y.fraction), w11 = weight_split(&w10, y.fraction);
     const uint32_t *first = t->texels + (z.node * t->height + y.node) * t->width + x.node; /* < 2^24 */
     const uint32_t *second = first + z.step * t->width * t->height;
     uint32_t row = y.step * t->width;
-    struct pair p00 = pair_fetch(&largest, first, x, w00), p01 = pair_fetch(&largest, first + row, x, w01);
-    struct pair p10 = pair_fetch(&largest, second, x, w10), p11 = pair_fetch(&largest, second + row, x, w11);
-    pair_add(sum, p00, largest);
-    pair_add(sum, p01, largest);
-    pair_add(sum, p10, largest);
-    pair_add(sum, p11, largest);
+    uint32_t largest = row_fetch(taps, first, x, w00, 0);
+    largest = row_fetch(taps + 2, first + row, x, w01, largest);
+    largest = row_fetch(taps + 4, second, x, w10, largest);
+    largest = row_fetch(taps + 6, second + row, x, w11, largest);
 
+    uint32_t red = 0, green = 0, blue = 0; /* at most 511 * 2^20, relative to 2^(largest - 24 - 20) */
+    for (int i = 0; i < 8; i++) {
+        struct lut_rgb m = lut_rgb9e5_decode(taps[i].texel);
+        uint32_t weight = taps[i].weight >> (largest - (taps[i].texel >> 27));
+        red += m.c[0] * weight;
+        green += m.c[1] * weight;
+        blue += m.c[2] * weight;
+    }
     uint32_t cosine = (uint32_t)nl > 1u << 30 ? 1u << 30 : (uint32_t)nl;
-    out->c[0] = (fx_mulhi_u(sum[0], cosine) + 32) >> 6; /* <= 511 * 2^12 */
-    out->c[1] = (fx_mulhi_u(sum[1], cosine) + 32) >> 6;
-    out->c[2] = (fx_mulhi_u(sum[2], cosine) + 32) >> 6;
+    out->c[0] = (fx_mulhi_u(red, cosine) + 32) >> 6; /* <= 511 * 2^12 */
+    out->c[1] = (fx_mulhi_u(green, cosine) + 32) >> 6;
+    out->c[2] = (fx_mulhi_u(blue, cosine) + 32) >> 6;
     out->e = (int32_t)largest - 24 - 12;
     return 8;
 }
