@@ -10,16 +10,16 @@
 
 enum lut_status {
     LUT_OK = 0,
-    LUT_ERR_TRUNCATED,   /* shorter, or longer, than its own header and level index say */
-    LUT_ERR_ALIGNMENT,   /* the buffer is not 4-aligned */
-    LUT_ERR_IDENTIFIER,  /* not KTX 2.0 */
-    LUT_ERR_FORMAT,      /* vkFormat, typeSize or supercompression other than what section "Table file" of SPEC.md says */
-    LUT_ERR_DIMENSIONS,  /* zero, too large, not 3-D, layers, faces or levels */
-    LUT_ERR_DESCRIPTOR,  /* data format descriptor differs from the one SPEC.md gives */
-    LUT_ERR_KEY_VALUES,  /* key/value data malformed */
-    LUT_ERR_KIND,        /* goniotile.kind missing or unknown */
-    LUT_ERR_VERSION,     /* goniotile.version missing or newer than this reader */
-    LUT_ERR_AXES,        /* goniotile.* metadata missing, out of range or inconsistent with the dimensions */
+    LUT_ERR_TRUNCATED,  /* shorter, or longer, than its own header and level index say */
+    LUT_ERR_ALIGNMENT,  /* the buffer is not 4-aligned */
+    LUT_ERR_IDENTIFIER, /* not KTX 2.0 */
+    LUT_ERR_FORMAT, /* vkFormat, typeSize or supercompression other than what section "Table file" of SPEC.md says */
+    LUT_ERR_DIMENSIONS, /* zero, too large, not 3-D, layers, faces or levels */
+    LUT_ERR_DESCRIPTOR, /* data format descriptor differs from the one SPEC.md gives */
+    LUT_ERR_KEY_VALUES, /* key/value data malformed */
+    LUT_ERR_KIND,       /* goniotile.kind missing or unknown */
+    LUT_ERR_VERSION,    /* goniotile.version missing or newer than this reader */
+    LUT_ERR_AXES,       /* goniotile.* metadata missing, out of range or inconsistent with the dimensions */
     LUT_STATUS_COUNT
 };
 
