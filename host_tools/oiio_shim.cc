@@ -37,14 +37,14 @@ int write(const char *path, int width, int height, int channels, OIIO::TypeDesc 
 
 } // namespace
 
-extern "C" int oiio_write_image(const char *path, int width, int height, int channels, const float *pixels,
-                                char *err, size_t err_bytes)
+extern "C" int oiio_write_image(const char *path, int width, int height, int channels, const float *pixels, char *err,
+                                size_t err_bytes)
 {
     return write(path, width, height, channels, OIIO::TypeDesc::FLOAT, pixels, "Linear", err, err_bytes);
 }
 
-extern "C" int oiio_write_image_u8(const char *path, int width, int height, int channels,
-                                   const uint8_t *pixels, char *err, size_t err_bytes)
+extern "C" int oiio_write_image_u8(const char *path, int width, int height, int channels, const uint8_t *pixels,
+                                   char *err, size_t err_bytes)
 {
     return write(path, width, height, channels, OIIO::TypeDesc::UINT8, pixels, "sRGB", err, err_bytes);
 }

@@ -13,10 +13,10 @@ extern "C" {
 
 /* Write an image; the extension of `path` chooses the format. Pixels are row-major, top row first, channels
  * interleaved (1 grey, 3 RGB, 4 RGBA). Return 0, or -1 with a NUL-terminated message in err[err_bytes]. */
-typedef int oiio_write_float_fn(const char *path, int width, int height, int channels, const float *pixels,
-                                char *err, size_t err_bytes);
-typedef int oiio_write_u8_fn(const char *path, int width, int height, int channels, const uint8_t *pixels,
-                             char *err, size_t err_bytes);
+typedef int oiio_write_float_fn(const char *path, int width, int height, int channels, const float *pixels, char *err,
+                                size_t err_bytes);
+typedef int oiio_write_u8_fn(const char *path, int width, int height, int channels, const uint8_t *pixels, char *err,
+                             size_t err_bytes);
 
 oiio_write_float_fn oiio_write_image; /* linear light, stored as 32-bit float where the format can */
 oiio_write_u8_fn oiio_write_image_u8; /* sRGB-encoded */
