@@ -189,6 +189,8 @@ install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rule
 	install -m 644 host_tools/60-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
 	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile
 
+include tests/board/board.mk
+
 clean: ## remove everything built
 	rm -rf $(B)
 

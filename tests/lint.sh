@@ -38,7 +38,7 @@ include_problems() {
     for f in "$@"; do
         while read -r header; do
             where=$header
-            for dir in "$(dirname "$f")" lut raster firmware hal hal/sim host_tools tests/reference; do
+            for dir in "$(dirname "$f")" lut raster firmware hal hal/emulated hal/sim host_tools tests/reference; do
                 case $header in '<'*) break ;; esac
                 [ -e "$dir/$header" ] && { where=$dir/$header; break; }
             done
@@ -70,7 +70,7 @@ claim sim_includes_hal_h_and_libc_and_its_main_app_h "$(
     include_problems "$any|hal/hal\.h|hal/sim/.*|firmware/(app|usb_protocol)\.h" $(sources hal/sim /sim_device)
 )"
 claim boards_include_hal_h_and_main_app_h "$(for f in $board_files; do
-    own=$(dirname "$f")/.*
+    own="$(dirname "$f")/.*|hal/emulated/board\.h" # what the emulated boards share
     case $f in */main.c) own="$own|firmware/app\.h" ;; esac
     include_problems "$free|hal/hal\.h|$own" "$f"
 done)"

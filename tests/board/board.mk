@@ -1,0 +1,61 @@
+# Programs for the emulated boards and what runs them. One build per target: everything here, whatever it measures, is
+# compiled with the same options.
+BOARD_OPT   ?= -O2
+# Files compiled with BOARD_HOT_OPT instead.
+BOARD_HOT   ?=
+BOARD_HOT_OPT ?= -O3
+DEPS_BOARD  := $(CROSS) qemu-system-arm qemu-system-misc
+DEPS_CHECK  += $(DEPS_BOARD)
+DEPS_BENCH  += $(DEPS_BOARD)
+
+BOARD_TARGETS := cortex-m3 cortex-m4 cortex-m7 cortex-m33 cortex-m55 rv32imac
+# The core of AN521 has no DSP instructions.
+BOARD_CPU_cortex-m33 := cortex-m33+nodsp
+BOARD_SCRIPT_cortex-m3  := an385
+BOARD_SCRIPT_cortex-m4  := an386
+BOARD_SCRIPT_cortex-m7  := an500
+BOARD_SCRIPT_cortex-m33 := an521
+BOARD_SCRIPT_cortex-m55 := an547
+BOARD_TIMER_cortex-m55  := sse
+
+COMMA := ,
+BOARD_SHARED := hal/emulated/report.c hal/emulated/memory.c
+# memset's own loops must not become calls of memset
+BOARD_FLAGS_hal/emulated/memory := -fno-tree-loop-distribute-patterns
+
+# $(call BOARD_TARGET,target,compiler with machine options,link options,board's sources)
+define BOARD_TARGET
+BOARD_CC_$(1) := $(2)
+BOARD_LD_$(1) := $(3)
+BOARD_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(4) $(BOARD_SHARED) $(wildcard lut/*.c raster/*.c))
+BOARD_FIRMWARE_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(wildcard firmware/*.c))
+$(B)/board/$(1)/%.o: %.c
+	@mkdir -p $$(@D)
+	$(2) -std=c11 $$(if $$(filter $$<,$$(BOARD_HOT)),$$(BOARD_HOT_OPT),$$(BOARD_OPT)) $$(BOARD_FLAGS_$$*) -g $(WARN) -MMD -MP \
+	    -ffreestanding -nostdinc -isystem $$(shell $(firstword $(2)) -print-file-name=include) -ffunction-sections -fdata-sections \
+	    -fcallgraph-info=su $(CORE_INC) -Ihal/emulated -c $$< -o $$@
+$(B)/board/$(1)/work_a.elf: $(B)/board/$(1)/tests/board/work_a/main.o $$(BOARD_OBJ_$(1))
+	$(2) -nostdlib -Wl,--gc-sections $(3) $$^ -lgcc -o $$@
+$(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $$(BOARD_OBJ_$(1)) $$(BOARD_FIRMWARE_OBJ_$(1))
+	$(2) -nostdlib -Wl,--gc-sections $(3) $$^ -lgcc -o $$@
+endef
+$(foreach t,$(filter cortex-%,$(BOARD_TARGETS)),$(eval $(call BOARD_TARGET,$(t),\
+    arm-none-eabi-gcc -mcpu=$(or $(BOARD_CPU_$(t)),$(t)) -mthumb,-Lhal/mps2 -T $(BOARD_SCRIPT_$(t)).ld,\
+    hal/mps2/startup.c hal/mps2/board.c hal/mps2/timer_$(or $(BOARD_TIMER_$(t)),cmsdk).c)))
+$(eval $(call BOARD_TARGET,rv32imac,riscv64-unknown-elf-gcc -march=rv32imac_zicsr -mabi=ilp32 -mcmodel=medany,\
+    -march=rv32imac -Wl$(COMMA)--no-warn-rwx-segments -T hal/rv32virt/rv32virt.ld,hal/rv32virt/startup.c hal/rv32virt/board.c))
+
+.PHONY: deps-board work-a work-a-built
+deps-board:
+	@tests/install_deps.sh $(DEPS_DEMO) $(DEPS_BOARD)
+
+# The mesh is in the optional data folder.
+GONIOTILE_DATA ?= ../shared/data
+WORK_A_MESH := $(wildcard $(GONIOTILE_DATA)/meshes/torus_knot_7680.obj)
+$(B)/board/work_a.blob: host_tools/scenes/work_a.json $(B)/gtscene $(WORK_A_MESH)
+	@mkdir -p $(@D)
+	$(B)/gtscene build $< -o $@ --data $(GONIOTILE_DATA)/meshes
+work-a: deps-board ## instructions of the comparison frame: one knot of 7680 triangles (needs the data folder)
+	$(AGAIN) work-a-built
+work-a-built: $(B)/board/work_a.blob $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
+	@B=$(B) tests/board/work_a.sh
