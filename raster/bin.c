@@ -99,7 +99,10 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
     int32_t px0 = (x0 - 1 + 127) >> 8, px1 = (x1 + 1 - 128) >> 8, py0 = (y0 - 1 + 127) >> 8, py1 = (y1 + 1 - 128) >> 8;
     if (px0 > px1 || py0 > py1 || px1 < 0 || py1 < 0 || px0 >= width || py0 >= height)
         return false;
-    if (x1 - x0 <= SMALL_EXTENT - 2 && y1 - y0 <= SMALL_EXTENT - 2 && w1 - w0 <= w0 >> SMALL_DEPTH_RATIO_BITS)
+    /* The small path's shifts are in range for every w between the corners'. */
+    int32_t near_lead = (int32_t)fx_clz((uint32_t)w0), far_lead = (int32_t)fx_clz((uint32_t)w1);
+    if (x1 - x0 <= SMALL_EXTENT - 2 && y1 - y0 <= SMALL_EXTENT - 2 && o->shift_xy - near_lead >= 0 &&
+        o->shift_xy - far_lead <= 31 && o->shift_depth - near_lead >= 6 && o->shift_depth - far_lead <= 31)
         out->flags = VISIBLE_SMALL;
     out->x0 = fx_max(px0, 0) / RASTER_TILE_WIDTH;
     out->y0 = fx_max(py0, 0) / RASTER_TILE_HEIGHT;

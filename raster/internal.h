@@ -13,10 +13,10 @@
 
 /* Guard band: coordinates within +-2^13 px of the picture's centre, thus within +-(2^13 + 2^12) px of any tile. */
 #define GUARD_BITS 13
-/* A small triangle's extent in 24.8: below 63 px, so that a tile's neighbourhood fits 16 bits. */
+/* A small meshlet's extent in 24.8: below 63 px, so that coordinates from a tile it touches fit 16 bits. */
 #define SMALL_EXTENT (63 * 256)
-/* ... and w varies by at most 1/2^n over its meshlet, so that affine interpolation of a normal's coordinate errs by less
- * than a quarter of that times its own change. */
+/* 1/w of a triangle drawn affinely varies by at most 1/2^n, so that its normal's coordinates err by less than a quarter
+ * of that times their own change. */
 #define SMALL_DEPTH_RATIO_BITS 5
 #define VIEW_STEP_BITS         14
 #define DEPTH_BIAS             128u /* keeps an interpolated depth, which may err by its gradient's rounding, above zero */
@@ -34,7 +34,7 @@ struct raster_object {
     int16_t rotation[9]; /* eye space from object space, Q14 */
 };
 
-#define VISIBLE_SMALL 1u /* every triangle may take the small path's arithmetic */
+#define VISIBLE_SMALL 1u /* drawn by small.c */
 
 struct raster_visible {
     uint16_t object;
@@ -88,10 +88,22 @@ unsigned raster_clip_code(const struct raster_object *o, const struct raster_cli
 unsigned raster_clip_polygon(struct raster_clip_vertex *p, unsigned count, unsigned codes,
                              const struct raster_object *o);
 
-/* triangle.c: draws one triangle into the tile's surface. In: vertices counter-clockwise as the scene says. `small`: all
- * coordinates within +-SMALL_EXTENT of each other and of the tile, perspective negligible. */
-void raster_draw_triangle(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
-                          const struct raster_vertex *c, uint32_t slot, bool small, struct raster_stats *stats);
+/* small.c: transforms the vertices of a meshlet marked VISIBLE_SMALL, whose box touches the tile; centre as for
+ * raster_project, but from the tile's first pixel centre. */
+void raster_transform_small(struct raster_small *out, const struct raster_object *o, const struct scene_vertex *v,
+                            uint32_t count, int32_t centre_x2, int32_t centre_y2);
+/* Draws the front-facing of `count` triangles. In: vertices within 127 px of the tile's corner, 63 px of each other. */
+void raster_draw_small(struct raster_tile *t, const struct raster_small *vertices,
+                       const struct scene_triangle *triangles, uint32_t count, uint32_t slot,
+                       struct raster_stats *stats);
+
+/* general.c: draws one triangle when it faces the eye. In: vertices inside the guard band, counter-clockwise as the scene
+ * says. */
+void raster_draw_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
+                         const struct raster_vertex *c, uint32_t slot, struct raster_stats *stats);
+/* The same for one known to face the eye: clockwise on the screen (y down), area = twice its area in 1/65536 px^2, > 0. */
+void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
+                         const struct raster_vertex *c, uint64_t area, uint32_t slot, struct raster_stats *stats);
 
 /* shade.c: shades every pixel of the rectangle that has a slot. final: writes finished pixels in the frame's format
  * from the start of the surface; otherwise leaves colours in the surface and frees all slots. */

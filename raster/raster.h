@@ -117,6 +117,12 @@ struct raster_vertex { /* projected */
     int16_t u, v;
 };
 
+struct raster_small { /* projected, of a small meshlet */
+    uint32_t xy;      /* 24.8 from the tile's first pixel centre, x in the low half */
+    uint32_t inv_w;
+    uint32_t uv; /* u in the low half */
+};
+
 struct raster_clip_vertex { /* before the perspective division, in its object's scales */
     int32_t x, y, w;
     int16_t u, v;
@@ -139,8 +145,13 @@ struct raster_batch {
 struct raster_tile {
     struct raster_surface surface[RASTER_TILE_PIXELS]; /* the finished pixels overwrite it from the start */
     struct raster_slot slots[256];                     /* 1..255 in use */
-    struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
-    struct raster_clip_vertex clip[SCENE_MESHLET_MAX_VERTICES];
+    union {                                            /* the meshlet being drawn */
+        struct raster_small small[SCENE_MESHLET_MAX_VERTICES];
+        struct {
+            struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
+            struct raster_clip_vertex clip[SCENE_MESHLET_MAX_VERTICES];
+        } general;
+    } m;
     int32_t spans[2 * RASTER_TILE_HEIGHT];
     struct raster_batch batch;
 };

@@ -59,13 +59,13 @@ struct scene_light {
 enum scene_material_kind { SCENE_MATERIAL_MEASURED = 0, SCENE_MATERIAL_LAFORTUNE_PHONG = 1 };
 
 struct scene_material {
-    uint8_t kind;            /* enum scene_material_kind */
-    uint8_t slot;            /* table slot, for measured */
-    uint8_t reserved[2];     /* 0 */
-    uq16_16_t kd[3];         /* Lafortune-Phong: f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n, 0..1 */
-    uq16_16_t ks[3];         /* 0..1 */
-    uq16_16_t exponent;      /* n, 0..4096 */
-    char name[16];           /* ASCII, NUL-padded */
+    uint8_t kind;        /* enum scene_material_kind */
+    uint8_t slot;        /* table slot, for measured */
+    uint8_t reserved[2]; /* 0 */
+    uq16_16_t kd[3];     /* Lafortune-Phong: f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n, 0..1 */
+    uq16_16_t ks[3];     /* 0..1 */
+    uq16_16_t exponent;  /* n, 0..4096 */
+    char name[16];       /* ASCII, NUL-padded */
 };
 
 struct scene_object {

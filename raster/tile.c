@@ -29,12 +29,34 @@ static void draw_clipped(struct raster_tile *t, const struct raster_object *o, c
     struct raster_clip_vertex p[CLIP_MAX_VERTICES];
     struct raster_vertex v[CLIP_MAX_VERTICES];
     for (unsigned i = 0; i < 3; i++)
-        p[i] = t->clip[tri->v[i]];
+        p[i] = t->m.general.clip[tri->v[i]];
     unsigned count = raster_clip_polygon(p, 3, codes, o);
     for (unsigned i = 0; i < count; i++)
         raster_project(&v[i], o, &p[i], centre_x2, centre_y2);
     for (unsigned i = 2; i < count; i++)
-        raster_draw_triangle(t, &v[0], &v[i - 1], &v[i], slot, false, stats);
+        raster_draw_general(t, &v[0], &v[i - 1], &v[i], slot, stats);
+}
+
+static void draw_general(struct raster_tile *t, const struct raster_object *o, const struct scene_meshlet *m,
+                         const struct scene_vertex *vertex, const struct scene_triangle *triangle, uint32_t slot,
+                         int32_t centre_x2, int32_t centre_y2, struct raster_stats *stats)
+{
+    struct raster_vertex *p = t->m.general.vertices;
+    uint8_t code[SCENE_MESHLET_MAX_VERTICES];
+    for (unsigned i = 0; i < m->vertex_count; i++) {
+        raster_transform(&t->m.general.clip[i], o, &vertex[i]);
+        code[i] = (uint8_t)raster_clip_code(o, &t->m.general.clip[i]);
+        if (!code[i])
+            raster_project(&p[i], o, &t->m.general.clip[i], centre_x2, centre_y2);
+    }
+    for (unsigned i = 0; i < m->triangle_count; i++) {
+        const uint8_t *v = triangle[i].v;
+        unsigned all = code[v[0]] & code[v[1]] & code[v[2]], any = code[v[0]] | code[v[1]] | code[v[2]];
+        if (!any)
+            raster_draw_general(t, &p[v[0]], &p[v[1]], &p[v[2]], slot, stats);
+        else if (!all)
+            draw_clipped(t, o, &triangle[i], any, centre_x2, centre_y2, slot, stats);
+    }
 }
 
 static void draw_meshlet(const struct raster *r, struct raster_tile *t, const struct raster_visible *visible,
@@ -45,23 +67,12 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     const struct scene_meshlet *m = &s->meshlets[visible->meshlet];
     const struct scene_vertex *vertex = s->vertices + m->vertex_first;
     const struct scene_triangle *triangle = s->triangles + m->triangle_first;
-    bool small = visible->flags & VISIBLE_SMALL;
-    uint8_t code[SCENE_MESHLET_MAX_VERTICES];
-
     slot_setup(&t->slots[slot], o, m);
-    for (unsigned i = 0; i < m->vertex_count; i++) {
-        raster_transform(&t->clip[i], o, &vertex[i]);
-        code[i] = small ? 0 : (uint8_t)raster_clip_code(o, &t->clip[i]);
-        if (!code[i])
-            raster_project(&t->vertices[i], o, &t->clip[i], centre_x2, centre_y2);
-    }
-    for (unsigned i = 0; i < m->triangle_count; i++) {
-        const uint8_t *v = triangle[i].v;
-        unsigned all = code[v[0]] & code[v[1]] & code[v[2]], any = code[v[0]] | code[v[1]] | code[v[2]];
-        if (!any)
-            raster_draw_triangle(t, &t->vertices[v[0]], &t->vertices[v[1]], &t->vertices[v[2]], slot, small, stats);
-        else if (!all)
-            draw_clipped(t, o, &triangle[i], any, centre_x2, centre_y2, slot, stats);
+    if (visible->flags & VISIBLE_SMALL) {
+        raster_transform_small(t->m.small, o, vertex, m->vertex_count, centre_x2 - 256, centre_y2 - 256);
+        raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
+    } else {
+        draw_general(t, o, m, vertex, triangle, slot, centre_x2, centre_y2, stats);
     }
 }
 

@@ -1,5 +1,5 @@
 /*
- * raster_draw_triangle against exact coverage and double-precision interpolation, triangle by triangle in a cleared
+ * raster_draw_small and raster_draw_general against exact coverage and double-precision interpolation, triangle by triangle in a cleared
  * tile: every pixel of the tile is decided by both.
  */
 #include <stdarg.h>
@@ -8,6 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "internal.h"
@@ -35,32 +36,41 @@ static int32_t random_in(int32_t lo, int32_t hi)
 
 static void draw(const int32_t v[3][2], bool small, const struct raster_vertex attributes[3])
 {
+    static const struct scene_triangle triangle = {{0, 1, 2}};
     struct raster_stats stats = {0};
-    struct raster_vertex p[3];
+    struct raster_vertex general[3];
+    struct raster_small packed[3];
     for (int i = 0; i < 3; i++) {
-        p[i] = attributes[i];
-        p[i].x = v[i][0];
-        p[i].y = v[i][1];
+        const struct raster_vertex *a = &attributes[i];
+        general[i] = (struct raster_vertex){v[i][0], v[i][1], a->inv_w, a->u, a->v};
+        packed[i] = (struct raster_small){((uint32_t)(v[i][0] - 128) & 0xffff) | (uint32_t)(v[i][1] - 128) << 16,
+                                          a->inv_w, ((uint32_t)a->u & 0xffff) | (uint32_t)a->v << 16};
     }
     memset(tile.surface, 0, sizeof tile.surface);
-    raster_draw_triangle(&tile, &p[0], &p[1], &p[2], 1, small, &stats);
+    if (small)
+        raster_draw_small(&tile, packed, &triangle, 1, 1, &stats);
+    else
+        raster_draw_general(&tile, &general[0], &general[1], &general[2], 1, &stats);
 }
 
-/* How far the surface is from linear depth and perspective-correct normals at a covered pixel. */
+/* How far the surface is from linear depth (in its own units) and perspective-correct normal coordinates (in parts of
+ * what a triangle of this kind may err by: see interpolation_stays_near_double). */
 static void measure(const struct raster_surface *s, const double weight[3], const struct raster_vertex a[3], bool small)
 {
-    double inv_w = 0, u = 0, v = 0;
+    double inv_w = 0, u = 0, v = 0, span = 0, affine = 0;
     for (int i = 0; i < 3; i++) {
         double k = weight[i] * a[i].inv_w;
         inv_w += k;
         u += k * a[i].u;
         v += k * a[i].v;
+        span = fmax(span, fmax(abs(a[i].u - a[(i + 1) % 3].u), abs(a[i].v - a[(i + 1) % 3].v)));
+        affine = fmax(affine, fabs((double)a[i].inv_w - a[(i + 1) % 3].inv_w) / a[i].inv_w);
     }
-    (void)small;
     double depth = fabs((double)(s->depth_slot >> 8) - DEPTH_BIAS - inv_w);
     double du = fabs((int16_t)(s->normal & 0xffff) - u / inv_w), dv = fabs((int16_t)(s->normal >> 16) - v / inv_w);
+    double allowed = small ? 2 + 0.3 * affine * span : 1 + span / inv_w;
     worst_depth = fmax(worst_depth, depth);
-    worst_normal = fmax(worst_normal, fmax(du, dv));
+    worst_normal = fmax(worst_normal, fmax(du, dv) / allowed);
 }
 
 /* Draws and compares; counts of mismatching pixels are failures. */
@@ -233,6 +243,54 @@ static void triangles_without_area_draw_nothing(void **state)
     assert_true(decisions > 0);
 }
 
+/* Vertices near the tile or, if not small, anywhere; nearness from 2^bits to 2^23, varying by a factor of at most
+ * `ratio` in a triangle. */
+static void check_interpolation(bool small, double ratio)
+{
+    for (int n = 0; n < 40000; n++) {
+        int32_t v[3][2], extent = small ? (SMALL_EXTENT - 1) >> random_in(0, 8) : GUARD >> random_in(0, 12);
+        struct raster_vertex a[3];
+        random_near(v[0], 1024, 8);
+        for (int i = 1; i < 3; i++)
+            for (int j = 0; j < 2; j++)
+                v[i][j] = fx_clamp(v[0][j] + random_in(-extent / 2, extent / 2), -GUARD, GUARD);
+        double nearest = exp2(random_in(80, 230) / 10.0), span = random_in(1, 16384);
+        for (int i = 0; i < 3; i++) {
+            a[i].inv_w = (uint32_t)fmax(1, nearest / pow(ratio, random_in(0, 1000) / 1000.0));
+            a[i].u = (int16_t)(span * random_in(-1000, 1000) / 1000);
+            a[i].v = (int16_t)(span * random_in(-1000, 1000) / 1000);
+        }
+        if (!small || is_small((const int32_t(*)[2])v))
+            check_with((const int32_t(*)[2])v, small, a);
+    }
+}
+
+/*
+ * Depth, of 2^23: general path one unit, small path 64 (its gradients are rounded). Normals, of 2^14 for 1: general path one unit
+ * plus what rounding 1/w to a whole number does, the attribute's span over 1/w; small path two units plus 0.3 times the
+ * span times the share by which 1/w varies, for interpolating without perspective.
+ */
+static void interpolation_stays_near_double(void **state)
+{
+    (void)state;
+    begin(8);
+    for (double ratio = 1; ratio < 1e7; ratio *= 10)
+        check_interpolation(false, ratio);
+    end("general interpolation");
+    print_message("# worst depth error %.2f units, worst normal error %.2f of what is allowed\n", worst_depth,
+                  worst_normal);
+    assert_true(worst_depth <= 1);
+    assert_true(worst_normal <= 1);
+    begin(9);
+    check_interpolation(true, 1);
+    check_interpolation(true, 1 + 1.0 / (1 << SMALL_DEPTH_RATIO_BITS));
+    end("small interpolation");
+    print_message("# worst depth error %.2f units, worst normal error %.2f of what is allowed\n", worst_depth,
+                  worst_normal);
+    assert_true(worst_depth <= 64);
+    assert_true(worst_normal <= 1);
+}
+
 enum { GRID = 9 };
 
 /* Draws the triangles one by one and counts how often each pixel is drawn. */
@@ -296,6 +354,7 @@ int main(void)
         cmocka_unit_test(vertices_on_pixel_centres_cover_exactly),
         cmocka_unit_test(slivers_cover_exactly),
         cmocka_unit_test(triangles_without_area_draw_nothing),
+        cmocka_unit_test(interpolation_stays_near_double),
         cmocka_unit_test(meshes_cover_every_pixel_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,221 @@
+/*
+ * The small triangle path: meshlets less than 63 px wide and high, which is nearly all of them. Vertices are packed
+ * 16-bit coordinates from the tile's first pixel centre, edges and areas fit 32 bits, attributes are affine.
+ *
+ * A triangle that is too thin for bounded gradients, or whose depth varies too much for affine normals, goes to the
+ * general path: a choice by the triangle alone, so that tiles of any size agree.
+ */
+#include "edge.h"
+
+/* An attribute over the screen: value at a pixel centre and its change per column and row, modulo 2^32. Integer
+ * steps are exact, so the value at a pixel does not depend on where the tile starts. */
+struct plane {
+    uint32_t value, dx, dy;
+};
+
+/* Per-triangle factors for gradients: edge vectors over the area. */
+struct gradient {
+    int32_t dx1, dy1, dx2, dy2; /* K, |K| <= 2^28 */
+    unsigned shift;             /* lead - 3, 1..28 */
+    int32_t fx, fy;             /* vertex a from its pixel's centre, 0..255 */
+    int32_t px, py;             /* from that pixel to (column 0, first row) */
+};
+
+static inline int32_t low(uint32_t xy)
+{
+    return (int16_t)(xy & 0xffff);
+}
+
+static inline int32_t high(uint32_t xy)
+{
+    return (int32_t)xy >> 16;
+}
+
+void raster_transform_small(struct raster_small *out, const struct raster_object *o, const struct scene_vertex *v,
+                            uint32_t count, int32_t centre_x2, int32_t centre_y2)
+{
+    for (const struct scene_vertex *end = v + count; v != end; v++, out++) {
+        struct raster_clip_vertex c;
+        raster_transform(&c, o, v);
+        unsigned lead = fx_clz((uint32_t)c.w);
+        uint32_t recip = raster_recip((uint32_t)c.w << lead);
+        unsigned s = (unsigned)o->shift_xy - lead; /* 0..31, see box_coverage */
+        int32_t x = ((fx_mulhi(c.x, (int32_t)recip) >> s) + centre_x2) >> 1;
+        int32_t y = ((fx_mulhi(c.y, (int32_t)recip) >> s) + centre_y2) >> 1;
+        out->xy = ((uint32_t)x & 0xffff) | (uint32_t)y << 16;
+        out->inv_w = recip >> ((unsigned)o->shift_depth - lead);
+        out->uv = ((uint32_t)v->u & 0xffff) | (uint32_t)v->v << 16;
+    }
+}
+
+/* In: packed ends of an edge, a above b; |x| < 2^15, dy <= 2^14, row at or below a: |n| < 2^30. */
+static inline void start(struct edge *e, uint32_t a, uint32_t b, int32_t row)
+{
+    int32_t dx = low(b) - low(a), dy = high(b) - high(a);
+    int32_t n = low(a) * dy + (256 * row - high(a)) * dx;
+    edge_start(e, (n + 255) >> 8, dx, dy);
+}
+
+/* Fills t->spans from *first_row on; returns the number of rows, 0 when no pixel is covered. In: packed vertices,
+ * clockwise on the screen. */
+static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a, uint32_t b, uint32_t c)
+{
+    /* Turn the triangle so that a is on top: then b follows on the right side and c on the left. */
+    if (high(b) < high(a)) {
+        uint32_t top = high(c) < high(b) ? c : b, next = top == c ? a : c;
+        c = top == c ? b : a;
+        b = next;
+        a = top;
+    } else if (high(c) < high(a)) {
+        uint32_t top = c;
+        c = b;
+        b = a;
+        a = top;
+    }
+    bool b_first = high(b) < high(c);
+    /* Coordinates count from the first pixel's centre: the first row at or below y is ceil(y/256). */
+    int32_t r0 = fx_max((high(a) + 255) >> 8, 0), r1 = ((b_first ? high(b) : high(c)) + 255) >> 8;
+    int32_t rows = fx_min(((b_first ? high(c) : high(b)) + 255) >> 8, RASTER_TILE_HEIGHT) - r0;
+    if (rows <= 0)
+        return 0;
+    *first_row = r0;
+    struct edge left, right;
+    int32_t upper = fx_min(r1 - r0, rows), any = 0;
+    if (upper > 0) {
+        start(&left, a, c, r0);
+        start(&right, a, b, r0);
+        any = edge_walk(t->spans, upper, &left, &right);
+        if (upper == rows)
+            return any ? rows : 0;
+        if (b_first)
+            start(&right, b, c, r0 + upper);
+        else
+            start(&left, c, b, r0 + upper);
+    } else {
+        upper = 0;
+        start(&left, b_first ? a : c, b_first ? c : b, r0);
+        start(&right, b_first ? b : a, b_first ? c : b, r0);
+    }
+    any |= edge_walk(t->spans + 2 * upper, rows - upper, &left, &right);
+    return any ? rows : 0;
+}
+
+/* e1, e2: the attribute's differences b-a and c-a with two fraction bits less than `value`, |e| <= 2^27. */
+static inline struct plane plane_make(const struct gradient *g, uint32_t value, int32_t e1, int32_t e2)
+{
+    /* |sum| <= 2 * 2^27 * 2^28; the shifted high word is at most 2^30, see make_gradient */
+    int32_t gx = (int32_t)((uint32_t)(((int64_t)e1 * g->dy2 - (int64_t)e2 * g->dy1) >> 32) << g->shift);
+    int32_t gy = (int32_t)((uint32_t)(((int64_t)e2 * g->dx1 - (int64_t)e1 * g->dx2) >> 32) << g->shift);
+    uint32_t back = (uint32_t)(gx >> 8) * (uint32_t)g->fx + (uint32_t)(gy >> 8) * (uint32_t)g->fy;
+    struct plane p = {value - back + (uint32_t)gx * (uint32_t)g->px + (uint32_t)gy * (uint32_t)g->py, (uint32_t)gx,
+                      (uint32_t)gy};
+    return p;
+}
+
+/*
+ * In: area = twice the area in 1/65536 px^2, below 2^28. K = d * q / 2^16 with q = 2^61/(area << lead), so that per pixel an
+ * attribute e changes by
+ *   256 (e1 dy2 - e2 dy1)/area = (e1 K2 - e2 K1) 2^(lead-37),
+ * which is the high word of the sum << (lead-3) when e comes pre-scaled by 2^n and the result has n+2 fraction bits.
+ * False when some |K| >= 2^(37-lead), that is an edge longer than area/256, a triangle less than a pixel thick. Otherwise
+ * |gradient| <= 2 |e|, and the high word's rounding, at most 2^(lead-3) a pixel over at most 2^(16-lead) px, adds up to below
+ * 2^14 of the result's units: 64 of the depth's.
+ */
+static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area, int32_t row)
+{
+    unsigned lead = fx_clz(area); /* 4..31 */
+    int32_t q = (int32_t)raster_recip(area << lead);
+    g->dx1 = fx_mulhi((low(b) - low(a)) * 65536, q);
+    g->dy1 = fx_mulhi((high(b) - high(a)) * 65536, q);
+    g->dx2 = fx_mulhi((low(c) - low(a)) * 65536, q);
+    g->dy2 = fx_mulhi((high(c) - high(a)) * 65536, q);
+    int32_t all = (g->dx1 ^ g->dx1 >> 31) | (g->dy1 ^ g->dy1 >> 31) | (g->dx2 ^ g->dx2 >> 31) | (g->dy2 ^ g->dy2 >> 31);
+    if (lead > 5 && (uint32_t)all >> (37 - lead))
+        return false;
+    g->shift = lead - 3;
+    g->fx = low(a) & 255;
+    g->fy = high(a) & 255;
+    g->px = -(low(a) >> 8);
+    g->py = row - (high(a) >> 8);
+    return true;
+}
+
+static struct raster_vertex unpack(const struct raster_small *s)
+{
+    return (struct raster_vertex){low(s->xy) + 128, high(s->xy) + 128, s->inv_w, (int16_t)low(s->uv),
+                                  (int16_t)high(s->uv)};
+}
+
+static void draw(struct raster_tile *t, const struct raster_small *a, const struct raster_small *b,
+                 const struct raster_small *c, uint32_t area, uint32_t slot, struct raster_stats *stats)
+{
+    int32_t row;
+    int32_t rows = make_spans(t, &row, a->xy, b->xy, c->xy);
+    if (!rows)
+        return;
+    struct gradient g;
+    /* w, thus 1/w, may vary by 1/2^SMALL_DEPTH_RATIO_BITS: affine interpolation then errs by less than a quarter of that times
+     * the attribute's own change. */
+    int32_t d1 = (int32_t)(b->inv_w - a->inv_w), d2 = (int32_t)(c->inv_w - a->inv_w);
+    uint32_t flat = a->inv_w >> SMALL_DEPTH_RATIO_BITS;
+    if ((uint32_t)d1 + flat > 2 * flat || (uint32_t)d2 + flat > 2 * flat ||
+        !make_gradient(&g, a->xy, b->xy, c->xy, area, row)) {
+        const struct raster_vertex va = unpack(a), vb = unpack(b), vc = unpack(c);
+        raster_fill_general(t, &va, &vb, &vc, area, slot, stats);
+        return;
+    }
+    /* depth 24.8, |d| <= 2^18; normals Q28, plus half a unit of the Q14 they are stored as */
+    struct plane depth = plane_make(&g, (a->inv_w + DEPTH_BIAS) << 8, d1 * 64, d2 * 64);
+    int32_t u0 = low(a->uv), v0 = high(a->uv);
+    struct plane u =
+        plane_make(&g, ((uint32_t)u0 << 14) + (1 << 13), (low(b->uv) - u0) * 4096, (low(c->uv) - u0) * 4096);
+    struct plane v =
+        plane_make(&g, ((uint32_t)v0 << 14) + (1 << 13), (high(b->uv) - v0) * 4096, (high(c->uv) - v0) * 4096);
+
+    struct raster_surface *line = t->surface + row * RASTER_TILE_WIDTH;
+    uint32_t tested = 0;
+    for (const int32_t *s = t->spans, *last = s + 2 * rows; s != last; s += 2, line += RASTER_TILE_WIDTH) {
+        uint32_t left = (uint32_t)s[0];
+        uint32_t d = depth.value + left * depth.dx, nu = u.value + left * u.dx, nv = v.value + left * v.dx;
+        tested += (uint32_t)s[1];
+        for (struct raster_surface *p = line + left, *end = p + s[1]; p != end; p++) {
+            uint32_t key = (d & ~(uint32_t)255) | slot;
+            if (p->depth_slot < key) {
+                p->depth_slot = key;
+                p->normal = (nu >> 14 & 0xffff) | (nv << 2 & 0xffff0000);
+            }
+            d += depth.dx;
+            nu += u.dx;
+            nv += v.dx;
+        }
+        depth.value += depth.dy;
+        u.value += u.dy;
+        v.value += v.dy;
+    }
+    stats->tested += tested;
+}
+
+void raster_draw_small(struct raster_tile *t, const struct raster_small *vertices,
+                       const struct scene_triangle *triangles, uint32_t count, uint32_t slot,
+                       struct raster_stats *stats)
+{
+    /* Both halves at once: all three left of or above the first pixel centre, or right of or below the last. A borrow of the
+     * low half moves the limit of the high half by one, which is why it is one too far. All vertices are within 127 px of
+     * the tile's corner and 63 px of each other, so a wrapped difference only marks triangles that are outside anyway. */
+    const uint32_t sign = 0x80008000u,
+                   last = ((RASTER_TILE_HEIGHT - 1) * 256u + 1) << 16 | (RASTER_TILE_WIDTH - 1) * 256u;
+    for (const struct scene_triangle *end = triangles + count; triangles != end; triangles++) {
+        /* Counter-clockwise with y up is clockwise with y down once b and c are exchanged. */
+        const struct raster_small *a = vertices + triangles->v[0], *b = vertices + triangles->v[2],
+                                  *c = vertices + triangles->v[1];
+        uint32_t pa = a->xy, pb = b->xy, pc = c->xy;
+        if (((pa & pb & pc) | ((last - pa) & (last - pb) & (last - pc))) & sign)
+            continue;
+        /* edge vectors < 2^14: products < 2^28 */
+        int32_t area = (low(pb) - low(pa)) * (high(pc) - high(pa)) - (low(pc) - low(pa)) * (high(pb) - high(pa));
+        if (area <= 0)
+            continue;
+        stats->triangles++;
+        draw(t, a, b, c, (uint32_t)area, slot, stats);
+    }
+}
