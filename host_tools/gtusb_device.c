@@ -185,8 +185,6 @@ void device_close(struct link *l)
     libusb_release_interface(handle, 0);
     libusb_close(handle);
     libusb_exit(context);
-    if (link_interrupted())
-        link_end_interrupted();
 }
 
 void command_list(int argc, char **argv)

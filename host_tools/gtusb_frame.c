@@ -68,6 +68,8 @@ void command_frame(int argc, char **argv)
     link_send(l, USB_MSG_FRAME, NULL, 0, NULL, 0);
     frame_receive(l, &canvas);
     device_close(l);
+    if (link_interrupted())
+        link_end_interrupted();
     if (canvas.missing)
         die(EXIT_USB, "the frame ended with %u of %u pixels missing; try again", canvas.missing,
             (unsigned)canvas.width * canvas.height);

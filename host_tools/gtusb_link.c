@@ -157,7 +157,7 @@ struct link *link_open(libusb_context *context, libusb_device_handle *handle, un
         if (!l->out[i].transfer || !l->in)
             die(EXIT_INTERNAL, "out of memory");
     }
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     return l;

@@ -78,7 +78,9 @@ static _Noreturn void push_abandon(struct link *l, const struct reply *why, unsi
         link_receive(l, &ignored);
     link_send(l, USB_MSG_ABORT, NULL, 0, NULL, 0);
     link_receive(l, &ignored);
-    device_close(l); /* ends the program when interrupted */
+    device_close(l);
+    if (link_interrupted())
+        link_end_interrupted();
     reply_refuse(&refusal, what);
 }
 
