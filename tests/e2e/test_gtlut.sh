@@ -6,6 +6,7 @@ B=$(cd "${B:-build}" && pwd) || exit 1
 G=$B/gtlut
 DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
 T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
+READ_IMAGE=$PWD/tests/e2e/read_image.mjs
 cd "$T" || exit 1
 n=0
 
@@ -170,6 +171,23 @@ exports() {
     quiet "$G" export a.ktx2 -o a.exr && [ "$(od -An -tx1 -N4 a.exr | tr -d ' ')" = 762f3101 ]
 }
 ok "export arranges the slices as PNG and EXR" exports
+
+# Five slices, each of one colour, exact in RGB9_E5: 3 x 2 images of 7 x 5 pixels, the last one empty.
+exports_values() {
+    { echo theta_in,theta_out,phi_out,R,G,B; for i in 0 1 2 3 4; do for t in 0 80; do echo "$((15 * i)),$t,0,0.$((125 * i)),0.25,8"; done; done; } >five.csv
+    "$G" build five.csv --size 7x5 -o five.ktx2 2>log5 || { cat log5; return 1; }
+    quiet "$G" export five.ktx2 -o five.exr && quiet "$G" export five.ktx2 --exposure 2 -o five.png || return 1
+    node "$READ_IMAGE" five.exr 0,0 6,4 7,0 20,4 0,5 13,9 14,5 20,9 >out &&
+        printf '%s 0.25 8\n' 0 0 0.125 0.25 0.375 0.5 >want && printf '0 0 0\n0 0 0\n' >>want && diff out want || return 1
+    # sRGB of 0.25, 0.5, 0.75 and 1: 136.96, 187.52, 224.60, 255
+    node "$READ_IMAGE" five.png 0,0 7,0 20,4 0,5 13,9 14,5 >out &&
+        printf '%s 188 255\n' 0 137 188 225 255 >want && echo 0 0 0 >>want && diff out want
+}
+if command -v node >/dev/null; then
+    ok "exported pixels are the table's values, linear in EXR, exposed and sRGB-encoded in PNG, slices row by row" exports_values
+else
+    skip "exported pixels are the table's values" "no node"
+fi
 
 without_shim() {
     mkdir -p bin && cp "$G" bin/ || return 1
