@@ -112,7 +112,7 @@ static void set_serve(struct app *app)
 
 static void frame_serve(struct app *app)
 {
-    if (app->frame.streamed) /* on its way: app.c replies tile by tile */
+    if (app->frame.active) /* the display's ends first; the streamed one is on its way, tile by tile from app.c */
         return;
     if (!app->content.has_scene) {
         reply(app, USB_ERR_STATE, 0);

@@ -81,10 +81,9 @@ static void refuse(struct protocol *p)
 {
     protocol_reply(p, p->refusal, p->refusal_detail, NULL, 0, NULL, 0);
     protocol_done(p);
-    if (p->refusal_halts) { /* where the next header begins is unknown: what came behind is dropped */
+    if (p->refusal_halts) { /* where the next header begins is unknown: clearing the halt drops what came behind */
         usb_device_halt_out(p->usb);
         p->state = PROTOCOL_HALTED;
-        p->packet_bytes = p->packet_used = 0;
     }
 }
 

@@ -218,6 +218,37 @@ static void bank_of_another_slot_is_not_mounted(void **state)
     assert_int_equal(live(f, 2), -1);
 }
 
+/* Written by a firmware that knew other content: everything fits, but this one cannot read it. */
+static void content_that_does_not_open_is_not_mounted(void **state)
+{
+    struct fixture *f = *state;
+    push(f, 1, f->tables[0], f->bytes);
+    push(f, 1, f->tables[1], f->bytes);
+    struct table_store_header h;
+    uint8_t *b = bank(f, 1, 1);
+    memcpy(&h, b, sizeof h);
+    b[256] ^= 1;
+    h.crc = crc32_update(0, b + 256, f->bytes);
+    h.header_crc = crc32_update(0, &h, 28);
+    memcpy(b, &h, sizeof h);
+    restart(f);
+    assert_int_equal(live(f, 1), 0);
+    b[256] ^= 1;
+    h.crc = crc32_update(0, b + 256, f->bytes);
+    h.version++; /* nor is a bank of another layout */
+    h.header_crc = crc32_update(0, &h, 28);
+    memcpy(b, &h, sizeof h);
+    restart(f);
+    assert_int_equal(live(f, 1), 0);
+    h.version--;
+    h.slot = 2; /* nor one that says it reaches past its bank, here the flash's last */
+    h.length = 0x40000000;
+    h.header_crc = crc32_update(0, &h, 28);
+    memcpy(bank(f, 2, 1), &h, sizeof h);
+    restart(f);
+    assert_int_equal(live(f, 2), -1);
+}
+
 static void damaged_upload_is_refused(void **state)
 {
     struct fixture *f = *state;
@@ -362,6 +393,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(failure_at_any_operation_leaves_one_whole_table, setup, teardown),
         cmocka_unit_test_setup_teardown(flipped_bit_in_the_live_bank_falls_back_to_the_older_one, setup, teardown),
         cmocka_unit_test_setup_teardown(bank_of_another_slot_is_not_mounted, setup, teardown),
+        cmocka_unit_test_setup_teardown(content_that_does_not_open_is_not_mounted, setup, teardown),
         cmocka_unit_test_setup_teardown(damaged_upload_is_refused, setup, teardown),
         cmocka_unit_test_setup_teardown(any_length_in_any_pieces_is_stored, setup, teardown),
         cmocka_unit_test_setup_teardown(blocks_are_erased_as_the_data_arrives, setup, teardown),
