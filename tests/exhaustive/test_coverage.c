@@ -46,6 +46,7 @@ static void draw(const int32_t v[3][2], bool small, const struct raster_vertex a
         packed[i] = (struct raster_small){((uint32_t)(v[i][0] - 128) & 0xffff) | (uint32_t)(v[i][1] - 128) << 16,
                                           a->inv_w, ((uint32_t)a->u & 0xffff) | (uint32_t)a->v << 16};
     }
+    triangles++;
     memset(tile.surface, 0, sizeof tile.surface);
     if (small)
         raster_draw_small(&tile, packed, &triangle, 1, 1, &stats);
@@ -79,7 +80,6 @@ static void check_with(const int32_t v[3][2], bool small, const struct raster_ve
     struct ref_triangle t;
     ref_triangle_setup(&t, v);
     draw(v, small, attributes);
-    triangles++;
     for (int y = 0; y < TILE_H; y++)
         for (int x = 0; x < TILE_W; x++) {
             const struct raster_surface *s = &tile.surface[y * TILE_W + x];
@@ -151,7 +151,7 @@ static void triangles_of_every_small_size_cover_exactly(void **state)
 {
     (void)state;
     begin(2);
-    for (int n = 0; n < 12000; n++) {
+    for (int n = 0; n < 20000; n++) {
         int32_t v[3][2], extent = (SMALL_EXTENT - 1) >> random_in(0, 13);
         random_near(v[0], 2048, random_in(0, 8));
         for (int i = 1; i < 3; i++)
@@ -243,23 +243,29 @@ static void triangles_without_area_draw_nothing(void **state)
     assert_true(decisions > 0);
 }
 
-/* Vertices near the tile or, if not small, anywhere; nearness from 2^bits to 2^23, varying by a factor of at most
- * `ratio` in a triangle. */
+/* A triangle near the tile or, if not small, of any size; nearness from 2^8 to 2^23, varying by a factor of at most
+ * `ratio` in the triangle. */
+static void random_triangle(int32_t v[3][2], struct raster_vertex a[3], bool small, double ratio)
+{
+    int32_t extent = small ? (SMALL_EXTENT - 1) >> random_in(0, 8) : GUARD >> random_in(0, 12);
+    random_near(v[0], 1024, 8);
+    for (int i = 1; i < 3; i++)
+        for (int j = 0; j < 2; j++)
+            v[i][j] = fx_clamp(v[0][j] + random_in(-extent / 2, extent / 2), -GUARD, GUARD);
+    double nearest = exp2(random_in(80, 230) / 10.0), span = random_in(1, 16384);
+    for (int i = 0; i < 3; i++) {
+        a[i].inv_w = (uint32_t)fmax(1, nearest / pow(ratio, random_in(0, 1000) / 1000.0));
+        a[i].u = (int16_t)(span * random_in(-1000, 1000) / 1000);
+        a[i].v = (int16_t)(span * random_in(-1000, 1000) / 1000);
+    }
+}
+
 static void check_interpolation(bool small, double ratio)
 {
     for (int n = 0; n < 40000; n++) {
-        int32_t v[3][2], extent = small ? (SMALL_EXTENT - 1) >> random_in(0, 8) : GUARD >> random_in(0, 12);
+        int32_t v[3][2];
         struct raster_vertex a[3];
-        random_near(v[0], 1024, 8);
-        for (int i = 1; i < 3; i++)
-            for (int j = 0; j < 2; j++)
-                v[i][j] = fx_clamp(v[0][j] + random_in(-extent / 2, extent / 2), -GUARD, GUARD);
-        double nearest = exp2(random_in(80, 230) / 10.0), span = random_in(1, 16384);
-        for (int i = 0; i < 3; i++) {
-            a[i].inv_w = (uint32_t)fmax(1, nearest / pow(ratio, random_in(0, 1000) / 1000.0));
-            a[i].u = (int16_t)(span * random_in(-1000, 1000) / 1000);
-            a[i].v = (int16_t)(span * random_in(-1000, 1000) / 1000);
-        }
+        random_triangle(v, a, small, ratio);
         if (!small || is_small((const int32_t(*)[2])v))
             check_with((const int32_t(*)[2])v, small, a);
     }
@@ -289,6 +295,39 @@ static void interpolation_stays_near_double(void **state)
                   worst_normal);
     assert_true(worst_depth <= 64);
     assert_true(worst_normal <= 1);
+}
+
+/* The same triangle seen from tiles that start elsewhere has the same surface where they overlap. */
+static void pixels_do_not_depend_on_the_tile(void **state)
+{
+    (void)state;
+    static struct raster_surface first[TILE_W * TILE_H];
+    const double most = 1 + 1.0 / (1 << SMALL_DEPTH_RATIO_BITS);
+    begin(10);
+    for (int n = 0; n < 60000; n++) {
+        bool small = n & 1;
+        int32_t v[3][2], moved[3][2], by[2] = {random_in(-TILE_W + 1, TILE_W - 1), random_in(-TILE_H + 1, TILE_H - 1)};
+        struct raster_vertex a[3];
+        random_triangle(v, a, small, small ? most : exp2(random_in(0, 20)));
+        for (int i = 0; i < 6; i++)
+            moved[i / 2][i % 2] = v[i / 2][i % 2] + 256 * by[i % 2];
+        if (small && !(is_small((const int32_t(*)[2])v) && is_small((const int32_t(*)[2])moved)))
+            continue;
+        draw((const int32_t(*)[2])v, small, a);
+        memcpy(first, tile.surface, sizeof first);
+        draw((const int32_t(*)[2])moved, small, a);
+        for (int y = fx_max(0, -by[1]); y < TILE_H && y + by[1] < TILE_H; y++)
+            for (int x = fx_max(0, -by[0]); x < TILE_W && x + by[0] < TILE_W; x++) {
+                const struct raster_surface *p = &first[y * TILE_W + x];
+                const struct raster_surface *q = &tile.surface[(y + by[1]) * TILE_W + x + by[0]];
+                decisions++;
+                covered_pixels += p->depth_slot != 0;
+                if (p->depth_slot != q->depth_slot || p->normal != q->normal)
+                    fail_msg("pixel (%d, %d), tile moved by (%d, %d): %08x %08x, not %08x %08x", x, y, by[0], by[1],
+                             q->depth_slot, q->normal, p->depth_slot, p->normal);
+            }
+    }
+    end("moved tiles");
 }
 
 enum { GRID = 9 };
@@ -355,6 +394,7 @@ int main(void)
         cmocka_unit_test(slivers_cover_exactly),
         cmocka_unit_test(triangles_without_area_draw_nothing),
         cmocka_unit_test(interpolation_stays_near_double),
+        cmocka_unit_test(pixels_do_not_depend_on_the_tile),
         cmocka_unit_test(meshes_cover_every_pixel_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
