@@ -50,8 +50,7 @@ static struct field find(const unsigned char *file, const char *name, int elemen
         }
         return f;
     }
-    assert(!"field found");
-    abort();
+    abort(); /* no such field */
 }
 
 static double vndf_node(const struct ref_rgl *r, int slice, int y, int x)
