@@ -159,9 +159,12 @@ static void read_output(struct scene_output *out, const struct node *n)
     out->exposure = to_q16(number_or(n, "exposure", 1, 0, MAX_BRIGHT));
     if (curve.json) {
         const char *s = json_string(&curve);
-        if (strcmp(s, "none") && strcmp(s, "aces"))
-            json_die(&curve, "'%s' is no tone curve; give none or aces", s);
-        out->tone_curve = !strcmp(s, "aces") ? SCENE_TONE_ACES : SCENE_TONE_NONE;
+        if (!strcmp(s, "aces"))
+            out->tone_curve = SCENE_TONE_ACES;
+        else if (!strcmp(s, "linear"))
+            out->tone_curve = SCENE_TONE_LINEAR;
+        else if (strcmp(s, "none"))
+            json_die(&curve, "'%s' is no tone curve; give none, aces or linear", s);
     }
     if (background.json)
         read_background(out->background, &background);

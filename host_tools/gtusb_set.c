@@ -203,9 +203,9 @@ static error_t parse_output(int key, char *arg, struct argp_state *state)
         a->given |= 1;
         return 0;
     case 'c':
-        if (strcmp(arg, "none") && strcmp(arg, "aces"))
-            die(EXIT_USAGE, "--tone: no curve '%s'; it is none or aces", arg);
-        a->tone = strcmp(arg, "none") ? SCENE_TONE_ACES : SCENE_TONE_NONE;
+        if (strcmp(arg, "none") && strcmp(arg, "aces") && strcmp(arg, "linear"))
+            die(EXIT_USAGE, "--tone: no curve '%s'; it is none, aces or linear", arg);
+        a->tone = *arg == 'n' ? SCENE_TONE_NONE : *arg == 'a' ? SCENE_TONE_ACES : SCENE_TONE_LINEAR;
         a->given |= 2;
         return 0;
     case 'b':
@@ -225,7 +225,7 @@ static void set_output(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"exposure", 'x', "FACTOR", 0, "multiplies every light", 0},
-        {"tone", 'c', "none|aces", 0, "tone curve", 0},
+        {"tone", 'c', "none|aces|linear", 0, "tone curve", 0},
         {"background", 'b', "R,G,B", 0, "sRGB, 0 to 255, where there is no surface", 0},
         {0}};
     static const struct argp argp = {

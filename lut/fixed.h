@@ -48,6 +48,12 @@ static inline uint32_t fx_square(int32_t x)
     return (uint32_t)x * (uint32_t)x;
 }
 
+/* x / pi, rounded down within one. */
+static inline uint32_t fx_over_pi(uint32_t x)
+{
+    return fx_mulhi_u(x, 1367130551u); /* 2^32 / pi */
+}
+
 /* Saturating unsigned sum. */
 static inline uint32_t fx_add_sat(uint32_t a, uint32_t b)
 {

@@ -114,7 +114,39 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
 uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene_material *m,
                                       const struct raster_light *light);
 
-/* tone.c: exposed linear radiance to display bytes, 0x00BBGGRR. */
-uint32_t raster_tone(const uq12_20_t radiance[3], uint8_t tone_curve);
+/* diffuse.c: Lafortune-Phong without a specular lobe, which needs neither the view nor the normal in eye space. */
+static inline bool raster_is_diffuse(const struct scene_material *m)
+{
+    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG && !(m->ks[0] | m->ks[1] | m->ks[2]);
+}
+
+/* kd/pi * irradiance with 20 fraction bits, saturated. In: kd uq16_16 <= 1. */
+static inline uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance)
+{
+    uint64_t c = (uint64_t)fx_over_pi(kd << 12) * irradiance >> 24; /* 2^26.4 * 2^32 before the shift */
+    return c > UINT32_MAX ? UINT32_MAX : (uint32_t)c;
+}
+
+struct raster_diffuse { /* all lights for one meshlet */
+    uint32_t light_count;
+    struct {
+        struct vec3 direction; /* in the meshlet's frame, Q15 */
+        uint32_t colour[3];    /* kd/pi * irradiance, 20 fraction bits */
+    } light[SCENE_MAX_LIGHTS];
+};
+void raster_diffuse_setup(struct raster_diffuse *d, const struct raster *r, const struct raster_slot *slot);
+void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, uint32_t packed_normal);
+
+/* 2/(1+s), s = u^2+v^2, of stereographic coordinates in Q14: the normal is (ku, kv, k-1). Out: Q15, 0.6..2, error below
+ * 2^-16. In: |u|, |v| <= 2^14.1. */
+static inline uint32_t raster_stereographic_scale(int32_t u, int32_t v)
+{
+    uint32_t s = (uint32_t)(u * u) + (uint32_t)(v * v); /* Q28, <= 2.3 */
+    return (UINT32_MAX >> 1) / (((1u << 28) + s) >> 13);
+}
+
+/* tone.c: exposed linear radiance to a finished pixel in the frame's format: RGB565, or 0x00BBGGRR for RGB888. */
+uint32_t raster_finish_pixel(const struct raster_frame *f, const uq12_20_t radiance[3]);
+uint32_t raster_background(const struct raster_frame *f);
 
 #endif

@@ -6,38 +6,29 @@
 #include "internal.h"
 #include "func.h"
 
-#define ONE_OVER_PI_Q32 1367130551u /* 2^32 / pi */
-
-/* x / pi for uq16_16 x below 2^29, rounded down. */
-static uint32_t over_pi(uint32_t x)
-{
-    return fx_mulhi_u(x, ONE_OVER_PI_Q32);
-}
-
 uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene_material *m,
                                       const struct raster_light *light)
 {
-    uint64_t diffuse[3],
-        specular[3];  /* reflected radiance per n.l, 20 fraction bits: kd, ks <= 2^16, irradiance < 2^32 */
-    unsigned drop[3]; /* ... of the lobe's peak to keep it below 2^32 */
+    /* Reflected radiance per n.l, 20 fraction bits; ks <= 2^16, irradiance < 2^32. */
+    uint64_t diffuse[3], specular[3];
+    unsigned drop[3]; /* bits off the lobe's peak to keep it below 2^32 */
     for (int k = 0; k < 3; k++) {
-        uint64_t lobe = (uint64_t)over_pi((m->exponent >> 1) + (1u << 16)) * m->ks[k] >> 16; /* uq16_16: <= 652 */
-        diffuse[k] =
-            (uint64_t)over_pi(m->kd[k] << 12) * light->irradiance[k] >> 24; /* 2^26.4 * 2^32 before the shift */
-        specular[k] = lobe * light->irradiance[k] >> 12;                    /* 2^25.4 * 2^32 */
+        uint64_t lobe = (uint64_t)fx_over_pi((m->exponent >> 1) + (1u << 16)) * m->ks[k] >> 16; /* uq16_16: <= 652 */
+        diffuse[k] = raster_diffuse_colour(m->kd[k], light->irradiance[k]);
+        specular[k] = lobe * light->irradiance[k] >> 12; /* 2^25.4 * 2^32 */
         for (drop[k] = 0; specular[k] >> 32; drop[k]++)
             specular[k] >>= 1;
     }
     uint32_t count = 0;
     for (uint32_t i = 0; i < b->count; i++) {
         struct vec3 n = b->normal[i], l = light->direction, v = b->view[i];
-        int32_t nl = fx_dot(n, l) >> 15, nv = fx_dot(n, v); /* Q15, Q30 */
-        if (nl <= 0 || nv <= 0)
+        int32_t nl = fx_dot(n, l) >> 15, nv = fx_dot(n, v) >> 15; /* Q15 */
+        if (nl <= 0)
             continue;
         count++;
         nl = fx_min(nl, 32768);
         uint32_t power = 0; /* max(v.r, 0)^n, 1.0 = 2^30 */
-        if (2 * (nl * (nv >> 15) >> 15) > fx_dot(l, v) >> 15) {
+        if (2 * (nl * nv >> 15) > fx_dot(l, v) >> 15) {
             /* d = r - v, Q15, shorter than sqrt(2) here: squares below 2^31; v.r = 1 - |d|^2/2 */
             int32_t dx = ((2 * nl * n.x + (1 << 14)) >> 15) - l.x - v.x,
                     dy = ((2 * nl * n.y + (1 << 14)) >> 15) - l.y - v.y,

@@ -81,7 +81,7 @@ enum scene_status scene_check_camera(const struct scene_camera *c)
 
 enum scene_status scene_check_output(const struct scene_output *o)
 {
-    return o->exposure <= MAX_BRIGHTNESS && o->tone_curve <= SCENE_TONE_ACES ? SCENE_OK : SCENE_ERR_OUTPUT;
+    return o->exposure <= MAX_BRIGHTNESS && o->tone_curve <= SCENE_TONE_LINEAR ? SCENE_OK : SCENE_ERR_OUTPUT;
 }
 
 enum scene_status scene_check_light(const struct scene_light *l)

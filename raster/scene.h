@@ -39,7 +39,11 @@ struct scene_camera {
     uq16_16_t near;      /* > 0 */
 };
 
-enum scene_tone_curve { SCENE_TONE_NONE = 0, SCENE_TONE_ACES = 1 };
+enum scene_tone_curve {
+    SCENE_TONE_NONE = 0,  /* clamp, sRGB encode */
+    SCENE_TONE_ACES = 1,  /* Hill's ACES fit, sRGB encode */
+    SCENE_TONE_LINEAR = 2 /* clamp only: linear pixels */
+};
 
 struct scene_output {
     uq16_16_t exposure;    /* multiplies every light */

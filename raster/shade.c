@@ -1,7 +1,8 @@
 /*
- * Deferred shading of a tile: pixels in row order are gathered into batches of one material, each batch is lit by
- * every light, tone mapped and packed. Finished pixels overwrite the surface from its start: a pixel takes 2 or 3 of the
- * 8 bytes it had, so writing never overtakes reading.
+ * Deferred shading of a tile, row by row in runs of one meshlet. Pixels of one material are gathered into batches, each
+ * batch is lit by every light, tone mapped and packed; a material that does not depend on the view is shaded run by run.
+ * Finished pixels overwrite the surface from its start: a pixel takes 2 or 3 of the 8 bytes it had, so writing never
+ * overtakes reading.
  */
 #include "internal.h"
 
@@ -12,35 +13,32 @@ struct output {
     bool final;
 };
 
-static void put_pixel(const struct output *o, uint32_t pixel, uint32_t bgr)
+/* `value`: the finished pixel in the frame's format. */
+static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uint32_t value)
 {
     if (!o->final) {
-        o->t->surface[pixel].normal = bgr;
-        o->t->surface[pixel].depth_slot &= ~(uint32_t)255;
+        struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + x];
+        s->normal = value;
+        s->depth_slot &= ~(uint32_t)255;
         return;
     }
-    uint32_t index = pixel / RASTER_TILE_WIDTH * o->rect->width + pixel % RASTER_TILE_WIDTH;
-    uint32_t red = bgr & 255, green = bgr >> 8 & 255, blue = bgr >> 16 & 255;
+    uint32_t index = y * o->rect->width + x;
     if (o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface;
-        /* nearest of 32 and 64 levels: (x * 31 + 127) / 255 without the division, exact for 0..255 */
-        out[index] =
-            (uint16_t)((red * 249 + 1014) >> 11 << 11 | (green * 253 + 505) >> 10 << 5 | (blue * 249 + 1014) >> 11);
+        ((uint16_t *)o->t->surface)[index] = (uint16_t)value;
     } else {
         uint8_t *out = (uint8_t *)o->t->surface + 3 * index;
-        out[0] = (uint8_t)red;
-        out[1] = (uint8_t)green;
-        out[2] = (uint8_t)blue;
+        out[0] = (uint8_t)value;
+        out[1] = (uint8_t)(value >> 8);
+        out[2] = (uint8_t)(value >> 16);
     }
 }
 
-/* Stereographic (u, v) in the meshlet's frame to a unit vector in eye space, Q15. k = 2/(1+s), n = (ku, kv, k-1):
- * of unit length by construction, whatever u and v were interpolated to. */
+/* Stereographic (u, v) in the meshlet's frame to a unit vector in eye space, Q15: n = (ku, kv, k-1), of unit length by
+ * construction, whatever u and v were interpolated to. */
 static struct vec3 decode_normal(const struct raster_slot *slot, uint32_t packed)
 {
-    int32_t u = (int16_t)(packed & 0xffff), v = (int16_t)(packed >> 16);                 /* Q14, |.| <= 2^14.1 */
-    uint32_t s = (uint32_t)(u * u) + (uint32_t)(v * v);                                  /* Q28, <= 2.1 */
-    int32_t k = (int32_t)((UINT32_MAX >> 1) / (((1u << 28) + s) >> 13));                 /* Q15, 0.64..2 */
+    int32_t u = (int16_t)(packed & 0xffff), v = (int16_t)(packed >> 16); /* Q14, |.| <= 2^14.1 */
+    int32_t k = (int32_t)raster_stereographic_scale(u, v);
     int32_t x = (u * k + (1 << 13)) >> 14, y = (v * k + (1 << 13)) >> 14, z = k - 32768; /* Q15 */
     const int16_t *f = slot->frame; /* Q14: sums <= sqrt(3) * 2^29 */
     return (struct vec3){(f[0] * x + f[1] * y + f[2] * z + (1 << 13)) >> 14,
@@ -76,9 +74,10 @@ static void shade_measured(const struct raster *r, struct raster_batch *b, const
     }
 }
 
-static void flush(const struct output *o, struct raster_batch *b, struct raster_stats *stats)
+static void flush(const struct output *o, struct raster_stats *stats)
 {
     const struct raster *r = o->r;
+    struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[b->material];
     for (unsigned l = 0; l < r->frame.light_count; l++) {
         if (m->kind == SCENE_MATERIAL_MEASURED)
@@ -87,41 +86,75 @@ static void flush(const struct output *o, struct raster_batch *b, struct raster_
             stats->shaded += raster_shade_lafortune_phong(b, m, &r->lights[l]);
     }
     for (uint32_t i = 0; i < b->count; i++)
-        put_pixel(o, b->pixel[i], raster_tone(b->radiance[i], r->frame.output->tone_curve));
+        put_pixel(o, b->pixel[i] % RASTER_TILE_WIDTH, b->pixel[i] / RASTER_TILE_WIDTH,
+                  raster_finish_pixel(&r->frame, b->radiance[i]));
     b->count = 0;
+}
+
+/* A run of `count` pixels of one slot, for a material that needs the view. */
+static void gather_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
+                       struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    if (b->count && b->material != slot->material)
+        flush(o, stats);
+    b->material = slot->material;
+    for (uint32_t end = x + count; x < end; x++) {
+        if (b->count == RASTER_BATCH)
+            flush(o, stats);
+        uint32_t i = b->count++, pixel = y * RASTER_TILE_WIDTH + x;
+        b->pixel[i] = (uint16_t)pixel;
+        b->normal[i] = decode_normal(slot, o->t->surface[pixel].normal);
+        b->view[i] = raster_view_vector(o->r, o->rect->x + x, o->rect->y + y);
+        b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
+    }
+}
+
+/* The same for a diffuse material. The run's pixels are read before they are overwritten. */
+static void diffuse_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
+                        struct raster_stats *stats)
+{
+    struct raster_diffuse d;
+    raster_diffuse_setup(&d, o->r, slot);
+    stats->shaded += count * d.light_count;
+    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
+    for (uint32_t end = x + count; x < end; x++, s++) {
+        uq12_20_t radiance[3];
+        raster_diffuse_shade(radiance, &d, s->normal);
+        put_pixel(o, x, y, raster_finish_pixel(&o->r->frame, radiance));
+    }
 }
 
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, bool final,
                        struct raster_stats *stats)
 {
     const struct output o = {r, t, rect, final};
-    const uint8_t *bg = r->frame.output->background;
-    const uint32_t background = (uint32_t)(bg[0] | bg[1] << 8 | bg[2] << 16);
-    struct raster_batch *b = &t->batch;
-    b->count = 0;
-    for (uint32_t y = 0; y < rect->height; y++)
-        for (uint32_t x = 0; x < rect->width; x++) {
-            uint32_t pixel = y * RASTER_TILE_WIDTH + x;
-            const struct raster_surface s = t->surface[pixel];
-            uint32_t slot = s.depth_slot & 255;
+    const uint32_t background = raster_background(&r->frame);
+    t->batch.count = 0;
+    for (uint32_t y = 0; y < rect->height; y++) {
+        const struct raster_surface *row = t->surface + y * RASTER_TILE_WIDTH;
+        for (uint32_t x = 0; x < rect->width;) {
+            uint32_t slot = row[x].depth_slot & 255, count = 1;
             if (!slot) { /* background, or shaded before */
                 if (final) {
-                    stats->covered += s.depth_slot != 0;
-                    put_pixel(&o, pixel, s.depth_slot ? s.normal : background);
+                    bool shaded = row[x].depth_slot;
+                    stats->covered += shaded;
+                    put_pixel(&o, x, y, shaded ? row[x].normal : background);
                 }
+                x++;
                 continue;
             }
-            stats->covered += final;
+            while (x + count < rect->width && (row[x + count].depth_slot & 255) == slot)
+                count++;
+            stats->covered += final ? count : 0;
             const struct raster_slot *info = &t->slots[slot];
-            if (b->count == RASTER_BATCH || (b->count && b->material != info->material))
-                flush(&o, b, stats);
-            uint32_t i = b->count++;
-            b->material = info->material;
-            b->pixel[i] = (uint16_t)pixel;
-            b->normal[i] = decode_normal(info, s.normal);
-            b->view[i] = raster_view_vector(r, rect->x + x, rect->y + y);
-            b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
+            if (raster_is_diffuse(&r->frame.materials[info->material]))
+                diffuse_run(&o, info, x, y, count, stats);
+            else
+                gather_run(&o, info, x, y, count, stats);
+            x += count;
         }
-    if (b->count)
-        flush(&o, b, stats);
+    }
+    if (t->batch.count)
+        flush(&o, stats);
 }

@@ -1,5 +1,6 @@
 /*
- * Exposed linear sRGB to display bytes: tone curve, then sRGB encode (IEC 61966-2-1).
+ * Exposed linear sRGB to finished pixels: tone curve, then sRGB encode (IEC 61966-2-1), then packing; or neither curve for
+ * SCENE_TONE_LINEAR.
  *
  * SCENE_TONE_ACES is Stephen Hill's fit of the ACES RRT and sRGB ODT (BakingLab, ACES.hlsl, 2016): a matrix into the
  * fit's space, a rational curve per channel, a matrix back. Matrices in Q16.
@@ -18,23 +19,52 @@ static const int32_t aces_out[9] = {
     -214,   -4768,  70518, /* -0.00327 -0.07276 1.07602 */
 };
 
-uint32_t raster_tone(const uq12_20_t radiance[3], uint8_t tone_curve)
+static void apply_aces(uint32_t c[3])
 {
-    uint32_t c[3] = {radiance[0], radiance[1], radiance[2]};
-    if (tone_curve == SCENE_TONE_ACES) {
-        int32_t curve[3];
-        for (int i = 0; i < 3; i++) { /* <= 2^32, rows sum to 2^16 */
-            uint64_t x = ((uint64_t)c[0] * (uint32_t)aces_in[3 * i] + (uint64_t)c[1] * (uint32_t)aces_in[3 * i + 1] +
-                          (uint64_t)c[2] * (uint32_t)aces_in[3 * i + 2]) >>
-                         16;
-            curve[i] = (int32_t)lut_aces_curve(x > UINT32_MAX ? UINT32_MAX : (uint32_t)x); /* <= 2^20 */
-        }
-        for (int i = 0; i < 3; i++) { /* |coefficients| sum below 2^18: 2^38 */
-            int64_t x = ((int64_t)curve[0] * aces_out[3 * i] + (int64_t)curve[1] * aces_out[3 * i + 1] +
-                         (int64_t)curve[2] * aces_out[3 * i + 2]) >>
-                        16;
-            c[i] = x < 0 ? 0 : (uint32_t)x;
-        }
+    int32_t curve[3];
+    for (int i = 0; i < 3; i++) { /* < 2^32, rows sum to 2^16 */
+        uint64_t x = ((uint64_t)c[0] * (uint32_t)aces_in[3 * i] + (uint64_t)c[1] * (uint32_t)aces_in[3 * i + 1] +
+                      (uint64_t)c[2] * (uint32_t)aces_in[3 * i + 2]) >>
+                     16;
+        curve[i] = (int32_t)lut_aces_curve(x > UINT32_MAX ? UINT32_MAX : (uint32_t)x); /* <= 2^20 */
     }
-    return lut_srgb8(c[0]) | (uint32_t)lut_srgb8(c[1]) << 8 | (uint32_t)lut_srgb8(c[2]) << 16;
+    for (int i = 0; i < 3; i++) { /* |coefficients| sum below 2^18: 2^38 */
+        int64_t x = ((int64_t)curve[0] * aces_out[3 * i] + (int64_t)curve[1] * aces_out[3 * i + 1] +
+                     (int64_t)curve[2] * aces_out[3 * i + 2]) >>
+                    16;
+        c[i] = x < 0 ? 0 : (uint32_t)x;
+    }
+}
+
+/* Nearest of 32 and 64 levels: (x * 31 + 127) / 255 without the division, exact for 0..255. */
+static uint32_t pack(const struct raster_frame *f, uint32_t red, uint32_t green, uint32_t blue)
+{
+    if (f->format == RASTER_RGB565)
+        return (red * 249 + 1014) >> 11 << 11 | (green * 253 + 505) >> 10 << 5 | (blue * 249 + 1014) >> 11;
+    return red | green << 8 | blue << 16;
+}
+
+/* Nearest of `levels` + 1 levels, white at 2^20. */
+static inline uint32_t quantise(uq12_20_t x, uint32_t levels)
+{
+    return ((x > 1u << 20 ? 1u << 20 : x) * levels + (1u << 19)) >> 20;
+}
+
+uint32_t raster_finish_pixel(const struct raster_frame *f, const uq12_20_t radiance[3])
+{
+    if (f->output->tone_curve == SCENE_TONE_LINEAR) {
+        if (f->format == RASTER_RGB565)
+            return quantise(radiance[0], 31) << 11 | quantise(radiance[1], 63) << 5 | quantise(radiance[2], 31);
+        return quantise(radiance[0], 255) | quantise(radiance[1], 255) << 8 | quantise(radiance[2], 255) << 16;
+    }
+    uint32_t c[3] = {radiance[0], radiance[1], radiance[2]};
+    if (f->output->tone_curve == SCENE_TONE_ACES)
+        apply_aces(c);
+    return pack(f, lut_srgb8(c[0]), lut_srgb8(c[1]), lut_srgb8(c[2]));
+}
+
+uint32_t raster_background(const struct raster_frame *f)
+{
+    const uint8_t *b = f->output->background;
+    return pack(f, b[0], b[1], b[2]);
 }

@@ -62,7 +62,7 @@ usage light_without_direction 'gtusb: set: --direction: 0,0,0 has none; .*' \
     set light 0 --direction 0,0,0 --irradiance 1,1,1
 usage light_negative_irradiance "gtusb: set: --irradiance: '-1' is not .*" set light 0 --irradiance 1,-1,1
 usage output_incomplete 'gtusb: set: --exposure, --tone and --background are all needed; .*' set output --exposure 1
-usage output_unknown_tone "gtusb: set: --tone: no curve 'film'; it is none or aces" set output --tone film
+usage output_unknown_tone "gtusb: set: --tone: no curve 'film'; it is none, aces or linear" set output --tone film
 usage output_background_out_of_range "gtusb: set: --background: '256' is not .*" set output --background 0,0,256
 usage output_exposure_out_of_range "gtusb: set: --exposure: '-1' is not .*" set output --exposure -1
 usage timeout_zero "gtusb: info: --timeout: '0' is not .*" info --timeout 0
