@@ -62,8 +62,8 @@ GONIOTILE_DATA=${GONIOTILE_DATA:-../shared/data}
 [ ! -d "$GONIOTILE_DATA" ] || GONIOTILE_DATA=$(cd "$GONIOTILE_DATA" && pwd)
 export B GONIOTILE_DATA GONIOTILE_SIX_MODELS=$B/demo/six_models.blob GONIOTILE_DEMO=$B/demo
 export CMOCKA_MESSAGE_OUTPUT=TAP LC_ALL=C UBSAN_OPTIONS=print_stacktrace=1
-export OUT=$B/check
-rm -rf "$OUT" && mkdir -p "$OUT" || exit 1
+OUT=$(mktemp -d) && trap 'rm -rf "$OUT"' EXIT || exit 1
+export OUT
 
 # Longest first, so that the end is not spent waiting for one of them.
 tests=()
@@ -81,5 +81,5 @@ summary=$(cat "$OUT"/*.count 2>/dev/null | awk '{ p += $1; f += $2; s += $3; n++
     END { printf "%d passed, %d failed, %d skipped", p, f, s; exit f || !n || !(p + s) }')
 bad=$?
 [ "$(ls "$OUT"/*.count 2>/dev/null | wc -l)" = ${#tests[@]} ] || { echo "some tests did not report"; bad=1; }
-echo "$summary" | tee "$OUT/summary"
+echo "$summary" | tee "$B/check.summary"
 exit $bad
