@@ -112,12 +112,15 @@ static void texel_add(double rgb[3], uint32_t word, double weight)
 
 void specular_frame_albedo(double rgb[3], const uint32_t *slice, uint32_t width, uint32_t height, double theta_in)
 {
+    /* Half a degree: whole ones overstate a one-node lobe at the pole by 9 %, halves by 2 %. */
+    const double step = 0.5;
     memset(rgb, 0, 3 * sizeof *rgb);
-    for (int i = 0; i < 90; i++) {
-        double s0 = sin(i * degree), s1 = sin((i + 1) * degree), weight = (s1 * s1 - s0 * s0) / 2 * degree;
-        for (int k = 0; k < 360; k++) {
+    for (int i = 0; i < 90 / step; i++) {
+        double s0 = sin(i * step * degree), s1 = sin((i + 1) * step * degree);
+        double weight = (s1 * s1 - s0 * s0) / 2 * step * degree;
+        for (int k = 0; k < 360 / step; k++) {
             double theta_d, phi_d;
-            to_angles(&theta_d, &phi_d, reflect_frame(from_angles(i + 0.5, k + 0.5), theta_in));
+            to_angles(&theta_d, &phi_d, reflect_frame(from_angles((i + 0.5) * step, (k + 0.5) * step), theta_in));
             double fx = (phi_d < 0 ? phi_d + 360 : phi_d) / 360 * (width - 1), fy = theta_d / 180 * (height - 1);
             uint32_t x = (uint32_t)fmin(fx, width - 2), y = (uint32_t)fmin(fy, height - 2);
             const uint32_t *t = slice + (size_t)y * width + x;

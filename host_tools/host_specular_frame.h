@@ -31,7 +31,7 @@ void specular_frame_build(struct specular_frame *out, struct measurement_grid *g
                           const struct specular_frame_options *options, const char *path);
 void specular_frame_free(struct specular_frame *t);
 
-/* Directional-hemispherical reflectance of one slice of encoded texels for light at theta_in (degrees): the sum over 90 x 360
+/* Directional-hemispherical reflectance of one slice of encoded texels for light at theta_in (degrees): the sum over 180 x 720
  * cells of the hemisphere whose weights add up to pi exactly, values bilinear between the table's nodes. */
 void specular_frame_albedo(double rgb[3], const uint32_t *slice, uint32_t width, uint32_t height, double theta_in);
 
