@@ -18,6 +18,14 @@
 #define BOARD_EXIT_FAILED 1u
 #define BOARD_EXIT_FAULT  70u
 
+/* The flash image at board_input: slot 0 for the scene, six for tables of 361 x 181 x 4. */
+#define BOARD_WIDTH            320u
+#define BOARD_HEIGHT           240u
+#define BOARD_SLOTS            7u
+#define BOARD_SCENE_BANK_BYTES (512u << 10)
+#define BOARD_TABLE_BANK_BYTES (1152u << 10)
+#define BOARD_FLASH_BYTES      (2 * BOARD_SCENE_BANK_BYTES + 2 * (BOARD_SLOTS - 1) * BOARD_TABLE_BANK_BYTES)
+
 /* From the linker script. External memory: a flash image or other input at its start, preloaded by the emulator,
  * and room for a picture behind it. */
 extern const uint8_t board_input[];

@@ -36,7 +36,7 @@ extern const uint32_t mps2_data_load[];
 #define VECTORS_BYTES 256u
 
 void mps2_reset(void);
-static void start(void);
+void mps2_start(void);
 static void fault(void);
 
 __attribute__((section(".vectors"), used)) static const void *const vectors[16] = {
@@ -56,7 +56,7 @@ __attribute__((naked)) void mps2_reset(void)
             "isb\n"
             "b %0\n"
             :
-            : "i"(start));
+            : "i"(mps2_start));
 }
 
 #if __ARM_ARCH >= 8
@@ -96,7 +96,7 @@ static void memory_protect(void)
 }
 #endif
 
-__attribute__((used)) static void start(void)
+__attribute__((used)) void mps2_start(void)
 {
     uint32_t *here;
     __asm__ volatile("mov %0, sp" : "=r"(here));

@@ -59,3 +59,49 @@ work-a: deps-board ## instructions of the comparison frame: one knot of 7680 tri
 	$(AGAIN) work-a-built
 work-a-built: $(B)/board/work_a.blob $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
 	@B=$(B) tests/board/work_a.sh
+
+# --- the firmware on the boards: the demo's scene and tables in a flash image ---
+$(B)/board/make_image: $(B)/host/tests/board/make_image.o $(LIBS)
+	$(CC) -o $@ $^ -lz -lm
+$(B)/board/six_models_lafortune.json: host_tools/scenes/six_models.json
+	@mkdir -p $(@D)
+	sed 's/"measured"/"lafortune_phong"/' $< >$@
+$(B)/board/six_models_lafortune.blob: $(B)/board/six_models_lafortune.json $(B)/gtscene
+	$(B)/gtscene build $< -o $@
+BOARD_TABLES := $(MATERIALS:%=$(B)/demo/%.ktx2)
+# Banks of 128 and 288 blocks: as hal/emulated/board.h says.
+$(B)/board/measured.img: $(B)/demo/six_models.blob
+$(B)/board/lafortune_phong.img: $(B)/board/six_models_lafortune.blob
+$(B)/board/measured.img $(B)/board/lafortune_phong.img: $(B)/board/make_image $(BOARD_TABLES)
+	$(B)/board/make_image $@ 128 288 $(filter %.blob,$^) $(BOARD_TABLES)
+
+# The pictures' hash on the host: by each compiler, at each level, with sanitizers, with each tile size. All sources at once,
+# since no object may be shared.
+HOST_HASHES := gcc-O0 gcc-O2 gcc-O3 gcc-Os clang-O2 gcc-sanitized gcc-tiles-32x32 gcc-tiles-64x64 gcc-tiles-16x16
+HOST_HASH_CC_clang-O2 := clang-14
+HOST_HASH_FLAGS_gcc-O0 := -O0
+HOST_HASH_FLAGS_gcc-O2 := -O2
+HOST_HASH_FLAGS_gcc-O3 := -O3
+HOST_HASH_FLAGS_gcc-Os := -Os
+HOST_HASH_FLAGS_clang-O2 := -O2
+HOST_HASH_FLAGS_gcc-sanitized := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all
+HOST_HASH_FLAGS_gcc-tiles-32x32 := -O2 -DRASTER_TILE_WIDTH=32 -DRASTER_TILE_HEIGHT=32
+HOST_HASH_FLAGS_gcc-tiles-64x64 := -O2 -DRASTER_TILE_WIDTH=64 -DRASTER_TILE_HEIGHT=64
+HOST_HASH_FLAGS_gcc-tiles-16x16 := -O2 -DRASTER_TILE_WIDTH=16 -DRASTER_TILE_HEIGHT=16
+$(HOST_HASHES:%=$(B)/board/host_hash-%): $(B)/board/host_hash-%: tests/board/host_hash.c $(wildcard lut/*.[ch] raster/*.[ch])
+	@mkdir -p $(@D)
+	$(or $(HOST_HASH_CC_$*),gcc) -std=gnu11 $(HOST_HASH_FLAGS_$*) -Wall -Wextra -Werror $(CORE_INC) -o $@ $(filter %.c,$^)
+
+.PHONY: boards boards-built profile
+boards: deps-board ## run the firmware on the emulated boards: hash, instructions, code, RAM, stack; all hashes must agree
+	$(AGAIN) boards-built
+boards-built: $(BOARD_TARGETS:%=$(B)/board/%/firmware.elf) $(B)/board/measured.img $(B)/board/lafortune_phong.img \
+    $(HOST_HASHES:%=$(B)/board/host_hash-%)
+	@B=$(B) tests/board/boards.sh
+
+$(B)/board/profile.so: tests/board/profile.c
+	@mkdir -p $(@D)
+	$(CC) -std=gnu11 -O2 -g $(WARN) -fPIC -shared -o $@ $<
+TARGET ?= cortex-m7
+profile: $(B)/board/profile.so $(B)/board/work_a.blob $(B)/board/$(TARGET)/work_a.elf ## instructions of work A by function, two frames, for TARGET
+	@tests/board/run.sh $(TARGET) $(B)/board/$(TARGET)/work_a.elf $(B)/board/work_a.blob -plugin $(B)/board/profile.so
