@@ -54,7 +54,7 @@ struct app_frame {
     struct usb_stats stats;
 };
 
-/* Everything the firmware knows; fields are internal. About 40 KB, place it in fast RAM. */
+/* Everything the firmware knows; fields are internal. About 36 KB, place it in fast RAM. */
 struct app {
     const struct hal *hal;
     struct app_config config;

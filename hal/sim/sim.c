@@ -100,13 +100,21 @@ static bool flash_load(struct sim *s)
     return ok;
 }
 
+/* Beside the file, then renamed onto it: an interruption leaves the old image or the whole new one. */
 static bool flash_save(const struct sim *s)
 {
-    FILE *f = fopen(s->config.flash_file, "wb");
-    if (!f)
+    size_t n = strlen(s->config.flash_file) + 5;
+    char *temporary = malloc(n);
+    if (!temporary)
         return false;
-    bool ok = fwrite(s->flash, 1, s->hal.flash_bytes, f) == s->hal.flash_bytes;
-    return fclose(f) == 0 && ok;
+    snprintf(temporary, n, "%s.new", s->config.flash_file);
+    FILE *f = fopen(temporary, "wb");
+    bool ok = f && fwrite(s->flash, 1, s->hal.flash_bytes, f) == s->hal.flash_bytes;
+    ok = f && fclose(f) == 0 && ok && rename(temporary, s->config.flash_file) == 0;
+    if (f && !ok)
+        remove(temporary);
+    free(temporary);
+    return ok;
 }
 
 /* --- display --- */
