@@ -309,11 +309,12 @@ static bool statistics_add_up(struct sim_device *d, struct scene_camera next, ui
     d->app.content.camera = next;
     for (uint32_t frames = d->app.frames; d->app.frames < frames + 3;)
         sim_device_poll(d);
-    for (int n = 64; n == 64; got += (size_t)n) {
+    for (size_t n = 64; n == 64; got += n) {
         sim_device_poll(d);
-        n = sim_in(d->board, 0x81, packet, 64);
-        assert_true(n >= 0 && got + 64 <= sizeof reply);
-        memcpy(reply + got, packet, (size_t)n);
+        int taken = sim_in(d->board, 0x81, packet, 64);
+        assert_true(taken >= 0 && got + 64 <= sizeof reply);
+        n = taken > 0 ? (size_t)taken : 0;
+        memcpy(reply + got, packet, n);
     }
     memcpy(&stats, reply + 16, sizeof stats);
     assert_int_equal(got, 64 + stats.tile_count * 24);
