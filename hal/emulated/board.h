@@ -9,9 +9,7 @@
 #ifndef HAL_EMULATED_BOARD_H
 #define HAL_EMULATED_BOARD_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "hal.h"
 
 #define BOARD_STACK_PAINT 0x5aa5c33cu
 #define BOARD_EXIT_OK     0u
@@ -32,6 +30,9 @@ extern const uint8_t board_input[];
 extern uint8_t board_picture[];
 extern uint32_t board_stack_bottom[], board_stack_top[];
 
+/* Clock and UART on; startup calls it. */
+void board_init(void);
+
 /* The program. Startup calls it once; it ends with board_exit. */
 _Noreturn void board_main(void);
 
@@ -40,6 +41,9 @@ uint32_t board_clock(void);
 
 void board_put(char c);
 _Noreturn void board_exit(unsigned code);
+
+/* unplugged.c: no cable is ever plugged in, the flash is not for writing. To be copied and completed. */
+extern const struct hal board_unplugged;
 
 /* --- report.c --- */
 

@@ -1,5 +1,5 @@
 /*
- * UART, clock and exit of the MPS2 and MPS3 boards. Addresses and the clock's ratio come from the linker script.
+ * UART and clock of the MPS2 and MPS3 boards. Addresses and the clock's ratio come from the linker script.
  *
  * Under `-icount shift=6` an instruction takes 64 ns, which is 1.28 to 2.05 ticks of the board's timer: more than
  * one, so that a difference of ticks tells instructions to within one.
@@ -12,15 +12,12 @@ extern uint8_t mps2_clock_mul[], mps2_clock_shift[];
 
 enum { UART_DATA = 0, UART_STATE = 1, UART_CONTROL = 2, UART_DIVIDER = 4 };
 
-#define SEMIHOSTING_EXIT    0x20u /* SYS_EXIT_EXTENDED: takes a code */
-#define APPLICATION_STOPPED 0x20026u
-
 static struct {
     uint64_t ticks;
     uint32_t last;
 } clock_state;
 
-void mps2_init(void)
+void board_init(void)
 {
     mps2_uart[UART_CONTROL] = 1; /* transmit */
     mps2_uart[UART_DIVIDER] = 16;
@@ -41,13 +38,4 @@ void board_put(char c)
     while (mps2_uart[UART_STATE] & 1)
         ;
     mps2_uart[UART_DATA] = (uint8_t)c;
-}
-
-_Noreturn void board_exit(unsigned code)
-{
-    const uint32_t block[2] = {APPLICATION_STOPPED, code};
-    register uint32_t operation __asm__("r0") = SEMIHOSTING_EXIT;
-    register const uint32_t *argument __asm__("r1") = block;
-    for (;;)
-        __asm__ volatile("bkpt 0xab" : "+r"(operation) : "r"(argument) : "memory");
 }

@@ -6,9 +6,6 @@
 
 extern volatile uint32_t mps2_timer[];
 
-/* board.c: UART and timer on. */
-void mps2_init(void);
-
 /* timer_cmsdk.c or timer_sse.c. Ticks, counting up, wrapping at 2^32. */
 void timer_start(void);
 uint32_t timer_now(void);

@@ -59,5 +59,6 @@ __attribute__((used)) void rv32_start(void)
         *p = 0;
     CSR_WRITE(pmpaddr0, (uintptr_t)rv32_guard >> 2 | ((uintptr_t)rv32_guard_bytes / 8 - 1));
     CSR_WRITE(pmpcfg0, PMP_LOCKED | PMP_NAPOT);
+    board_init();
     board_main();
 }

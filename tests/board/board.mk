@@ -19,7 +19,7 @@ BOARD_SCRIPT_cortex-m55 := an547
 BOARD_TIMER_cortex-m55  := sse
 
 COMMA := ,
-BOARD_SHARED := hal/emulated/report.c hal/emulated/memory.c
+BOARD_SHARED := hal/emulated/report.c hal/emulated/memory.c hal/emulated/unplugged.c
 # memset's own loops must not become calls of memset
 BOARD_FLAGS_hal/emulated/memory := -fno-tree-loop-distribute-patterns
 
@@ -40,8 +40,8 @@ $(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $$(BOARD_OBJ_$
 	$(2) -nostdlib -Wl,--gc-sections $(3) $$^ -lgcc -o $$@
 endef
 $(foreach t,$(filter cortex-%,$(BOARD_TARGETS)),$(eval $(call BOARD_TARGET,$(t),\
-    arm-none-eabi-gcc -mcpu=$(or $(BOARD_CPU_$(t)),$(t)) -mthumb,-Lhal/mps2 -T $(BOARD_SCRIPT_$(t)).ld,\
-    hal/mps2/startup.c hal/mps2/board.c hal/mps2/timer_$(or $(BOARD_TIMER_$(t)),cmsdk).c)))
+    arm-none-eabi-gcc -mcpu=$(or $(BOARD_CPU_$(t)),$(t)) -mthumb,-Lhal/emulated -Lhal/mps2 -T $(BOARD_SCRIPT_$(t)).ld,\
+    hal/emulated/cortex_m.c hal/mps2/board.c hal/mps2/timer_$(or $(BOARD_TIMER_$(t)),cmsdk).c)))
 $(eval $(call BOARD_TARGET,rv32imac,riscv64-unknown-elf-gcc -march=rv32imac_zicsr -mabi=ilp32 -mcmodel=medany,\
     -march=rv32imac -Wl$(COMMA)--no-warn-rwx-segments -T hal/rv32virt/rv32virt.ld,hal/rv32virt/startup.c hal/rv32virt/board.c))
 

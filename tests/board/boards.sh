@@ -50,7 +50,7 @@ for program in "$B"/board/*/firmware.elf; do
     text=$(section_bytes "$target" "$program" '^\.(vectors|text|data)$')
     ram=$(section_bytes "$target" "$program" '^\.(data|bss)$')
     spare=$(symbol_bytes "$target" "$program" arena)
-    case $target in rv32imac) start=rv32_start ;; *) start=mps2_start ;; esac
+    case $target in rv32imac) start=rv32_start ;; *) start=cortex_m_start ;; esac
     path=$(find "$B/board/$target" -name '*.ci' -not -path '*/tests/*' -print0 |
         xargs -0 awk -v root=$start -f tests/bench/stack.awk)
     for model in measured lafortune_phong; do

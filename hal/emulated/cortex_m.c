@@ -1,5 +1,5 @@
 /*
- * Startup of the MPS2 and MPS3 boards: vectors, memory, stacks and their guard, faults.
+ * Startup of a Cortex-M board: vectors, memory, stacks and their guard, faults, exit through semihosting.
  *
  * The program runs on the process stack; faults are served on the main stack, so that they can still be told
  * when the process stack is what failed. ARMv7-M guards the stack's end and the vectors (thus address 0) by two
@@ -7,7 +7,6 @@
  * and the MPU lists what exists, without the vectors.
  */
 #include "board.h"
-#include "mps2.h"
 
 #define REGISTER(address) (*(volatile uint32_t *)(uintptr_t)(address))
 
@@ -17,7 +16,6 @@
 #define HFSR       0xe000ed2cu
 #define MMFAR      0xe000ed34u
 #define BFAR       0xe000ed38u
-#define CPACR      0xe000ed88u
 #define MPU_CTRL   0xe000ed94u
 #define MPU_RNR    0xe000ed98u
 #define MPU_RBAR   0xe000ed9cu
@@ -26,28 +24,31 @@
 #define ENABLE     1u
 #define PRIVDEFENA 4u
 
-extern uint8_t mps2_guard[], mps2_guard_bytes[];
-extern uint8_t mps2_code_start[], mps2_code_bytes[], mps2_ram_start[], mps2_ram_bytes[];
-extern uint8_t mps2_external_start[], mps2_external_bytes[];
-extern uint32_t mps2_fault_stack_top[];
-extern uint32_t mps2_data_start[], mps2_data_end[], mps2_bss_start[], mps2_bss_end[];
-extern const uint32_t mps2_data_load[];
+extern uint8_t cortex_m_guard[], cortex_m_guard_bytes[];
+extern uint8_t cortex_m_code_start[], cortex_m_code_bytes[], cortex_m_ram_start[], cortex_m_ram_bytes[];
+extern uint8_t cortex_m_external_start[], cortex_m_external_bytes[];
+extern uint32_t cortex_m_fault_stack_top[];
+extern uint32_t cortex_m_data_start[], cortex_m_data_end[], cortex_m_bss_start[], cortex_m_bss_end[];
+extern const uint32_t cortex_m_data_load[];
 
 #define VECTORS_BYTES 256u
 
-void mps2_reset(void);
-void mps2_start(void);
+#define SEMIHOSTING_EXIT    0x20u /* SYS_EXIT_EXTENDED: takes a code */
+#define APPLICATION_STOPPED 0x20026u
+
+void cortex_m_reset(void);
+void cortex_m_start(void);
 static void fault(void);
 
 __attribute__((section(".vectors"), used)) static const void *const vectors[16] = {
-    mps2_fault_stack_top, (const void *)mps2_reset, (const void *)fault, (const void *)fault,
-    (const void *)fault,  (const void *)fault,      (const void *)fault, (const void *)fault,
-    (const void *)fault,  (const void *)fault,      (const void *)fault, (const void *)fault,
-    (const void *)fault,  (const void *)fault,      (const void *)fault, (const void *)fault,
+    cortex_m_fault_stack_top, (const void *)cortex_m_reset, (const void *)fault, (const void *)fault,
+    (const void *)fault,      (const void *)fault,          (const void *)fault, (const void *)fault,
+    (const void *)fault,      (const void *)fault,          (const void *)fault, (const void *)fault,
+    (const void *)fault,      (const void *)fault,          (const void *)fault, (const void *)fault,
 };
 
 /* To the process stack, then on in C. */
-__attribute__((naked)) void mps2_reset(void)
+__attribute__((naked)) void cortex_m_reset(void)
 {
     __asm__("ldr r0, =board_stack_top\n"
             "msr psp, r0\n"
@@ -56,7 +57,7 @@ __attribute__((naked)) void mps2_reset(void)
             "isb\n"
             "b %0\n"
             :
-            : "i"(mps2_start));
+            : "i"(cortex_m_start));
 }
 
 #if __ARM_ARCH >= 8
@@ -72,10 +73,10 @@ static void memory_protect(void)
 {
     __asm__ volatile("msr psplim, %0" ::"r"(board_stack_bottom));
     REGISTER(MPU_MAIR0) = 0x0044; /* 0: normal, not cached; 1: device */
-    region_allow(0, (uintptr_t)mps2_code_start + VECTORS_BYTES, (uintptr_t)mps2_code_bytes - VECTORS_BYTES, true,
-                 false);
-    region_allow(1, (uintptr_t)mps2_ram_start, (uintptr_t)mps2_ram_bytes, false, false);
-    region_allow(2, (uintptr_t)mps2_external_start, (uintptr_t)mps2_external_bytes, false, false);
+    region_allow(0, (uintptr_t)cortex_m_code_start + VECTORS_BYTES, (uintptr_t)cortex_m_code_bytes - VECTORS_BYTES,
+                 true, false);
+    region_allow(1, (uintptr_t)cortex_m_ram_start, (uintptr_t)cortex_m_ram_bytes, false, false);
+    region_allow(2, (uintptr_t)cortex_m_external_start, (uintptr_t)cortex_m_external_bytes, false, false);
     region_allow(3, 0x40000000, 0x20000000, false, true);
     REGISTER(MPU_CTRL) = ENABLE;
 }
@@ -90,31 +91,28 @@ static void region_forbid(uint32_t number, uintptr_t first, uintptr_t bytes)
 
 static void memory_protect(void)
 {
-    region_forbid(0, (uintptr_t)mps2_code_start, VECTORS_BYTES);
-    region_forbid(1, (uintptr_t)mps2_guard, (uintptr_t)mps2_guard_bytes);
+    region_forbid(0, (uintptr_t)cortex_m_code_start, VECTORS_BYTES);
+    region_forbid(1, (uintptr_t)cortex_m_guard, (uintptr_t)cortex_m_guard_bytes);
     REGISTER(MPU_CTRL) = ENABLE | PRIVDEFENA;
 }
 #endif
 
-__attribute__((used)) void mps2_start(void)
+__attribute__((used)) void cortex_m_start(void)
 {
     uint32_t *here;
     __asm__ volatile("mov %0, sp" : "=r"(here));
     for (uint32_t *p = board_stack_bottom; p < here; p++)
         *(volatile uint32_t *)p = BOARD_STACK_PAINT;
-    const uint32_t *from = mps2_data_load;
-    for (uint32_t *p = mps2_data_start; p < mps2_data_end; p++)
+    const uint32_t *from = cortex_m_data_load;
+    for (uint32_t *p = cortex_m_data_start; p < cortex_m_data_end; p++)
         *p = *from++;
-    for (uint32_t *p = mps2_bss_start; p < mps2_bss_end; p++)
+    for (uint32_t *p = cortex_m_bss_start; p < cortex_m_bss_end; p++)
         *p = 0;
     REGISTER(VTOR) = (uint32_t)(uintptr_t)vectors;
     REGISTER(SHCSR) |= 7u << 16; /* memory, bus and usage faults have handlers of their own */
-#ifdef __ARM_FEATURE_MVE
-    REGISTER(CPACR) |= 0xfu << 20;
-#endif
     memory_protect();
     __asm__ volatile("dsb\nisb" ::: "memory");
-    mps2_init();
+    board_init();
     board_main();
 }
 
@@ -144,4 +142,13 @@ __attribute__((naked)) static void fault(void)
             "b %0\n"
             :
             : "i"(fault_report));
+}
+
+_Noreturn void board_exit(unsigned code)
+{
+    const uint32_t block[2] = {APPLICATION_STOPPED, code};
+    register uint32_t operation __asm__("r0") = SEMIHOSTING_EXIT;
+    register const uint32_t *argument __asm__("r1") = block;
+    for (;;)
+        __asm__ volatile("bkpt 0xab" : "+r"(operation) : "r"(argument) : "memory");
 }
