@@ -12,15 +12,15 @@ enum exit_code {
     EXIT_OK = 0,
     EXIT_INTERNAL = 1,
     EXIT_USAGE = 2,
-    EXIT_FILE = 3,        /* file I/O */
-    EXIT_BAD_INPUT = 4,   /* bad input file */
+    EXIT_FILE = 3,      /* file I/O */
+    EXIT_BAD_INPUT = 4, /* bad input file */
     EXIT_NO_DEVICE = 5,
-    EXIT_SEVERAL = 6,     /* several devices match */
+    EXIT_SEVERAL = 6, /* several devices match */
     EXIT_PERMISSION = 7,
-    EXIT_USB = 8,         /* USB transfer failed */
-    EXIT_REFUSED = 9,     /* the device refused */
-    EXIT_MISMATCH = 10,   /* verification found a difference */
-    EXIT_WANTING = 11,    /* checked and found wanting */
+    EXIT_USB = 8,       /* USB transfer failed */
+    EXIT_REFUSED = 9,   /* the device refused */
+    EXIT_MISMATCH = 10, /* verification found a difference */
+    EXIT_WANTING = 11,  /* checked and found wanting */
     EXIT_INTERRUPTED = 130
 };
 

@@ -103,14 +103,13 @@ uint8_t lut_srgb8(uq12_20_t linear)
 uint32_t lut_aces_curve(uint32_t v)
 {
     /* The offset makes the steps uniform near zero, where the curve is a parabola. */
-    if (v >= (1u << 25) - (1u << 16)) {
-        return 1u << 20;
-    }
+    if (v > (1u << 25) - (1u << 16) - 1)
+        v = (1u << 25) - (1u << 16) - 1;
     uint32_t x = v + (1u << 16); /* [2^16, 2^25) */
     unsigned z = fx_clz(x);      /* 7..15 */
     uint32_t m = x << z;
     uint32_t i = (15 - z) * 32 + (m >> 26 & 31);
     uint32_t a = func_aces[i], b = func_aces[i + 1];
     uint32_t f = m >> 11 & 0x7fff;
-    return ((a << 15) + (b - a) * f + (1u << 9)) >> 10; /* at most 2^30 + 2^9 before the shift */
+    return ((a << 15) + (b - a) * f + (1u << 9)) >> 10; /* below 2^30.1 before the shift */
 }

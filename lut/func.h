@@ -39,8 +39,9 @@ uint32_t lut_turn(int32_t y, int32_t x);
  * Out: 0..255; differs from the exact rounded value only where that lies within 0.005 of a tie. */
 uint8_t lut_srgb8(uq12_20_t linear);
 
-/* The rational tone curve of Hill's ACES fit, RRT+ODT: y = (v(v+a)-b)/(v(c v+d)+e), clamped to [0,1].
- * In: v with 1.0 = 2^20, any. Out: 1.0 = 2^20. Error <= 1e-4 absolute.
+/* The rational tone curve of Hill's ACES fit, RRT+ODT: y = (v(v+a)-b)/(v(c v+d)+e), at least 0.
+ * In: v with 1.0 = 2^20; above 31.9 as at 31.9, where y is 1.0033 (the limit is 1.0165). Out: 1.0 = 2^20.
+ * Error <= 1e-4 absolute below that.
  * a = 0.0245786, b = 0.000090537, c = 0.983729, d = 0.4329510, e = 0.238081 (Hill, BakingLab ACES.hlsl, 2016). */
 uint32_t lut_aces_curve(uint32_t v);
 

@@ -155,7 +155,8 @@ static void shade(double radiance[3], const struct ref_view *view, const struct 
     for (unsigned i = 0; i < s->light_count; i++) {
         double l[3], f[3];
         to_eye(l, &s->camera, s->lights[i].direction);
-        if (dot(n, l) <= 0 || dot(n, v) <= 0)
+        /* A table has no value for a normal that interpolation turned away from the eye; an analytic model does. */
+        if (dot(n, l) <= 0 || (measured && dot(n, v) <= 0))
             continue;
         if (measured)
             ref_table_eval(f, view->tables[m->slot], n, l, v);
