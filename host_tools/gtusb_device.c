@@ -167,7 +167,7 @@ struct link *device_open(struct usb_info *info)
         open_failed(&c, e ? e : packet);
     libusb_unref_device(c.device);
     struct link *l = link_open(context, handle, (unsigned)packet, timeout);
-    link_request(l, &r, "info", USB_MSG_INFO, NULL, 0);
+    link_request(l, &r, NULL, USB_MSG_INFO, NULL, 0);
     if (r.length != sizeof *info)
         die(EXIT_USB, "info: %u bytes where %zu are expected; update the older of firmware and this program", r.length,
             sizeof *info);

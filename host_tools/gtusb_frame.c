@@ -32,7 +32,7 @@ static void frame_receive(struct link *l, struct canvas *c)
     for (;;) {
         link_receive(l, &r);
         if (r.status != USB_OK)
-            reply_refuse(&r, "frame");
+            reply_refuse(&r, NULL);
         if (r.length < sizeof t)
             die(EXIT_USB, "tile of %u bytes, %zu are the least; update the firmware", r.length, sizeof t);
         memcpy(&t, r.payload, sizeof t);

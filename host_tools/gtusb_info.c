@@ -48,6 +48,9 @@ static void info_json(const struct usb_info *i, const char *version)
            i->height, i->format == RASTER_RGB565 ? "rgb565" : "rgb888", i->tile_width, i->tile_height);
     printf(" \"objects\": %u, \"materials\": %u, \"lights\": %u, \"triangles\": %u, \"arena_bytes\": %u,\n",
            i->object_count, i->material_count, i->light_count, i->triangle_count, i->arena_bytes);
+    if (i->upload_slot != USB_NO_UPLOAD)
+        printf(" \"upload\": {\"bytes\": %u, \"received\": %u, \"crc\": %u},\n", i->upload_length, i->upload_received,
+               i->upload_crc);
     for (unsigned s = 0; s < i->slot_count; s++) {
         const struct usb_slot_info *slot = &i->slots[s];
         if (s == 0)
@@ -70,6 +73,8 @@ static void info_text(const struct usb_info *i, const char *version)
     printf("scene      %u objects, %u materials, %u lights, %u triangles\n", i->object_count, i->material_count,
            i->light_count, i->triangle_count);
     printf("memory     %u bytes for a frame\n", i->arena_bytes);
+    if (i->upload_slot != USB_NO_UPLOAD)
+        printf("upload     %u of %u bytes; push the same file to go on\n", i->upload_received, i->upload_length);
     printf("slot       content     bytes   CRC-32    bank bytes\n");
     for (unsigned s = 0; s < i->slot_count; s++) {
         const struct usb_slot_info *slot = &i->slots[s];
@@ -205,7 +210,7 @@ void command_stats(int argc, char **argv)
     struct reply r;
     options_parse(&argp, argc, argv, &a);
     struct link *l = device_open(&info);
-    link_request(l, &r, "stats", USB_MSG_STATS, &request, sizeof request);
+    link_request(l, &r, NULL, USB_MSG_STATS, &request, sizeof request);
     stats_read(&v, &r);
     device_close(l);
     if (a.json)

@@ -303,14 +303,15 @@ static const struct {
 
 void reply_refuse(const struct reply *r, const char *what)
 {
+    char *subject = what ? xasprintf("%s: ", what) : xstrdup("");
     if (r->status >= USB_STATUS_COUNT)
-        die(EXIT_REFUSED, "%s: refused by the device with unknown status %u; update this program", what, r->status);
+        die(EXIT_REFUSED, "%srefused by the device with unknown status %u; update this program", subject, r->status);
     const char *advice = refusals[r->status].advice, *text = refusals[r->status].text, *number = strstr(text, "%u");
     if (r->status == USB_ERR_RENDER)
-        die(EXIT_REFUSED, "%s: refused by the device: %s; %s", what, raster_status_text((enum raster_status)r->detail),
+        die(EXIT_REFUSED, "%srefused by the device: %s; %s", subject, raster_status_text((enum raster_status)r->detail),
             advice);
     if (!number)
-        die(EXIT_REFUSED, "%s: refused by the device: %s; %s", what, text, advice);
-    die(EXIT_REFUSED, "%s: refused by the device: %.*s%u%s; %s", what, (int)(number - text), text, r->detail,
+        die(EXIT_REFUSED, "%srefused by the device: %s; %s", subject, text, advice);
+    die(EXIT_REFUSED, "%srefused by the device: %.*s%u%s; %s", subject, (int)(number - text), text, r->detail,
         number + 2, advice);
 }

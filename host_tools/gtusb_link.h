@@ -43,11 +43,11 @@ void link_send(struct link *l, enum usb_message type, const void *a, size_t a_by
 void link_receive(struct link *l, struct reply *r);
 void link_expect_more(struct link *l);
 
-/* Send and receive; a refusal ends the program through reply_refuse, naming `what`. */
+/* Send and receive; a refusal ends the program through reply_refuse, naming `what` (NULL: nothing to name). */
 void link_request(struct link *l, struct reply *r, const char *what, enum usb_message type, const void *payload,
                   size_t bytes);
 
-/* Ends the program with EXIT_REFUSED: "<what>: <the status in words and its detail>; <what to do>". */
+/* Ends the program with EXIT_REFUSED: "<what>: refused by the device: <status in words and detail>; <what to do>". */
 _Noreturn void reply_refuse(const struct reply *r, const char *what);
 
 /* True after Ctrl-C: finish what is on its way, tell the device, then call link_end_interrupted. */

@@ -316,8 +316,10 @@ void command_select(int argc, char **argv)
     select.material = (uint16_t)parse_long("MATERIAL", words[0], 0, SCENE_MAX_MATERIALS - 1);
     select.table = (uint16_t)parse_long("SLOT", words[1], 0, RASTER_MAX_SLOTS - 1);
     struct link *l = device_open(&info);
-    link_request(l, &r, "select", USB_MSG_SELECT, &select, sizeof select);
+    char *what = xasprintf("material %u, slot %u", select.material, select.table);
+    link_request(l, &r, what, USB_MSG_SELECT, &select, sizeof select);
     device_close(l);
+    free(what);
 }
 
 void command_reset(int argc, char **argv)
@@ -329,6 +331,6 @@ void command_reset(int argc, char **argv)
     struct reply r;
     options_parse(&argp, argc, argv, NULL);
     struct link *l = device_open(&info);
-    link_request(l, &r, "reset", USB_MSG_RESET, NULL, 0);
+    link_request(l, &r, NULL, USB_MSG_RESET, NULL, 0);
     device_close(l);
 }

@@ -171,6 +171,10 @@ check frame_at_full_speed_equals_render same_as_render --full-speed
 check frame_in_rgb565_equals_render same_as_render --format=rgb565
 check frame_of_odd_size_equals_render same_as_render --size=101x67
 check frame_of_one_pixel_equals_render same_as_render --size=1x1
+progress_on_a_terminal() { # and nowhere else: every push above has an empty stderr
+    loaded -- script -qec 'gtusb push "$DEMO/six_models.blob"' /dev/null | tr '\r' '\n' | grep -q '^push: 100 %, .* KB, .* MB/s'
+}
+check progress_is_shown_on_a_terminal progress_on_a_terminal
 expect frame_prints_nothing 0 '' '' loaded -- gtusb frame -o "$work/f.png"
 
 changes() { # claim command...: the command changes the frame, reset brings it back
@@ -212,11 +216,11 @@ refused table_too_large_for_its_slot \
     gtsim run --bank 65536 -- gtusb push "$work/gold.ktx2" --slot 3
 refused write_lock 'gtusb: push: .*: refused by the device: the board forbids writing; .*' \
     loaded --write-lock -- gtusb push "$work/gold.ktx2" --slot 0
-refused frame_without_scene 'gtusb: frame: .*refused by the device: not possible now; push a scene first' \
+refused frame_without_scene 'gtusb: frame: refused by the device: not possible now; push a scene first' \
     gtsim run -- gtusb frame -o "$work/x.png"
-refused frame_without_table 'gtusb: frame: .*refused by the device: the table slot of material 1 is empty; .*' \
+refused frame_without_table 'gtusb: frame: refused by the device: the table slot of material 1 is empty; .*' \
     loaded -- bash -c 'gtusb select 1 9 && gtusb frame -o "$work/x.png"'
-refused select_unknown_material 'gtusb: select: .*refused by the device: value out of range; .*' loaded -- gtusb select 6 0
+refused select_unknown_material 'gtusb: select: material 6, slot 0: refused by the device: value out of range; .*' loaded -- gtusb select 6 0
 refused light_beyond_the_next 'gtusb: set: .*refused by the device: value out of range; .*' \
     loaded -- gtusb set light 9 --direction 0,1,0 --irradiance 1,1,1
 for c in info list stats "frame -o $work/x.png" "push $scene"; do
@@ -249,6 +253,9 @@ push='gtusb push "$work/green.ktx2" --slot 1'
 before_and_after unplug_in_mid_push_keeps_the_table 8 'gtusb: push: USB: the device was unplugged; .*' \
     --unplug-after 30000 "$push"
 check push_after_unplug_goes_on_where_it_stopped grep -q '^resumed after [0-9]* bytes of an earlier push' "$work/out"
+expect info_tells_how_far_a_push_got 0 $'.*upload +[1-9][0-9]* of '"$bytes"$' bytes; push .*"received": [1-9].*' \
+    'gtusb: push: USB: the device was unplugged; .*' loaded --unplug-after 30000 -- \
+    bash -c 'gtusb push "$work/gold.ktx2" --slot 1; sleep 0.6; gtusb info && gtusb info --json'
 before_and_after silent_device_times_out_and_keeps_the_table 8 'gtusb: push: USB: no answer within .* s; .*' \
     --freeze-after 30000 "$push --timeout 0.05"
 before_and_after interrupt_with_a_silent_device 130 'gtusb: push: interrupted; the device keeps what it had' \
