@@ -22,11 +22,11 @@ static const double pi = 3.14159265358979323846;
     }
 #define COPPER_N                                                                                                       \
     {                                                                                                                  \
-        0.271, 0.677, 1.316                                                                                            \
+        0.18, 1.10, 1.25                                                                                               \
     }
 #define COPPER_K                                                                                                       \
     {                                                                                                                  \
-        3.609, 2.625, 2.292                                                                                            \
+        3.60, 2.78, 2.39                                                                                               \
     }
 #define CHROME_N                                                                                                       \
     {                                                                                                                  \
@@ -42,7 +42,7 @@ const struct material materials[] = {
     {"matte_red", "Lambertian, red", {0.55, 0.05, 0.04}, GREY(1), GREY(0), 1, GREY(0)},
     {"plastic_red", "red plastic, polished", {0.60, 0.03, 0.03}, PLASTIC, GREY(0), 0.06, GREY(0)},
     {"plastic_yellow", "yellow plastic, moulded", {0.75, 0.52, 0.04}, PLASTIC, GREY(0), 0.18, GREY(0)},
-    {"plastic_blue_rough", "blue plastic, sand-blasted", {0.03, 0.09, 0.48}, PLASTIC, GREY(0), 0.40, GREY(0)},
+    {"plastic_blue_rough", "blue plastic, sand-blasted", {0.05, 0.14, 0.65}, PLASTIC, GREY(0), 0.40, GREY(0)},
     {"ceramic_white", "glazed white ceramic", GREY(0.78), GREY(1.55), GREY(0), 0.03, GREY(0)},
     {"paint_orange", "semi-gloss orange paint", {0.75, 0.20, 0.02}, PLASTIC, GREY(0), 0.12, GREY(0)},
     {"rubber_black", "black rubber", GREY(0.02), GREY(1.5), GREY(0), 0.50, GREY(0)},

@@ -150,7 +150,7 @@ static const struct damage damages[] = {
     {"camera focal large", HEADER(camera.focal), (1 << 24) + 1, SCENE_ERR_CAMERA},
     {"camera near", HEADER(camera.near), 0, SCENE_ERR_CAMERA},
     {"exposure", HEADER(output.exposure), (1 << 24) + 1, SCENE_ERR_OUTPUT},
-    {"tone curve", HEADER(output.tone_curve), 2, SCENE_ERR_OUTPUT},
+    {"tone curve", HEADER(output.tone_curve), 3, SCENE_ERR_OUTPUT},
     {"lights count", HEADER(lights.count), 17, SCENE_ERR_LIMIT},
     {"materials count", HEADER(materials.count), 65, SCENE_ERR_LIMIT},
     {"objects count", HEADER(objects.count), 4097, SCENE_ERR_LIMIT},
