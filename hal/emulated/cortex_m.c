@@ -10,19 +10,20 @@
 
 #define REGISTER(address) (*(volatile uint32_t *)(uintptr_t)(address))
 
-#define VTOR       0xe000ed08u
-#define SHCSR      0xe000ed24u
-#define CFSR       0xe000ed28u
-#define HFSR       0xe000ed2cu
-#define MMFAR      0xe000ed34u
-#define BFAR       0xe000ed38u
-#define MPU_CTRL   0xe000ed94u
-#define MPU_RNR    0xe000ed98u
-#define MPU_RBAR   0xe000ed9cu
-#define MPU_RLAR   0xe000eda0u /* v7-M: RASR */
-#define MPU_MAIR0  0xe000edc0u
-#define ENABLE     1u
-#define PRIVDEFENA 4u
+#define VTOR        0xe000ed08u
+#define SHCSR       0xe000ed24u
+#define CFSR        0xe000ed28u
+#define HFSR        0xe000ed2cu
+#define MMFAR       0xe000ed34u
+#define BFAR        0xe000ed38u
+#define MPU_CTRL    0xe000ed94u
+#define MPU_RNR     0xe000ed98u
+#define MPU_RBAR    0xe000ed9cu
+#define MPU_RLAR    0xe000eda0u /* v7-M: RASR */
+#define MPU_MAIR0   0xe000edc0u
+#define ENABLE      1u
+#define PRIVDEFENA  4u
+#define STACK_LIMIT (1u << 20) /* in CFSR: the stack pointer met its limit */
 
 extern uint8_t cortex_m_guard[], cortex_m_guard_bytes[];
 extern uint8_t cortex_m_code_start[], cortex_m_code_bytes[], cortex_m_ram_start[], cortex_m_ram_bytes[];
@@ -127,7 +128,7 @@ __attribute__((used)) static void fault_report(const uint32_t *frame)
     report_hex("mmfar", REGISTER(MMFAR));
     report_hex("bfar", REGISTER(BFAR));
     /* what the core pushed, if it could */
-    if (frame >= board_stack_bottom && frame + 8 <= board_stack_top)
+    if (!(REGISTER(CFSR) & STACK_LIMIT) && frame >= board_stack_bottom && frame + 8 <= board_stack_top)
         report_hex("pc", frame[6]);
     else
         report_text(" stack overflow");

@@ -23,27 +23,52 @@ BOARD_SHARED := hal/emulated/report.c hal/emulated/memory.c hal/emulated/unplugg
 # memset's own loops must not become calls of memset
 BOARD_FLAGS_hal/emulated/memory := -fno-tree-loop-distribute-patterns
 
-# $(call BOARD_TARGET,target,compiler with machine options,link options,board's sources)
+# $(call BOARD_TARGET,target,compiler with machine options,board's sources): objects in $(B)/board/target, the renderer's and the
+# board's in BOARD_OBJ_target.
 define BOARD_TARGET
 BOARD_CC_$(1) := $(2)
-BOARD_LD_$(1) := $(3)
-BOARD_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(4) $(BOARD_SHARED) $(wildcard lut/*.c raster/*.c))
+BOARD_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(3) $(BOARD_SHARED) $(wildcard lut/*.c raster/*.c))
 BOARD_FIRMWARE_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(wildcard firmware/*.c))
 $(B)/board/$(1)/%.o: %.c
 	@mkdir -p $$(@D)
 	$(2) -std=c11 $$(if $$(filter $$<,$$(BOARD_HOT)),$$(BOARD_HOT_OPT),$$(BOARD_OPT)) $$(BOARD_FLAGS_$$*) -g $(WARN) -MMD -MP \
 	    -ffreestanding -nostdinc -isystem $$(shell $(firstword $(2)) -print-file-name=include) -ffunction-sections -fdata-sections \
 	    -fcallgraph-info=su $(CORE_INC) -Ihal/emulated -c $$< -o $$@
-$(B)/board/$(1)/work_a.elf: $(B)/board/$(1)/tests/board/work_a/main.o $$(BOARD_OBJ_$(1))
-	$(2) -nostdlib -Wl,--gc-sections $(3) $$^ -lgcc -o $$@
-$(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $$(BOARD_OBJ_$(1)) $$(BOARD_FIRMWARE_OBJ_$(1))
-	$(2) -nostdlib -Wl,--gc-sections $(3) $$^ -lgcc -o $$@
 endef
-$(foreach t,$(filter cortex-%,$(BOARD_TARGETS)),$(eval $(call BOARD_TARGET,$(t),\
-    arm-none-eabi-gcc -mcpu=$(or $(BOARD_CPU_$(t)),$(t)) -mthumb,-Lhal/emulated -Lhal/mps2 -T $(BOARD_SCRIPT_$(t)).ld,\
+# $(call BOARD_PROGRAMS,target,link options)
+define BOARD_PROGRAMS
+$(B)/board/$(1)/work_a.elf $(B)/board/$(1)/fault.elf: $(B)/board/$(1)/%.elf: $(B)/board/$(1)/tests/board/%/main.o $(BOARD_OBJ_$(1))
+	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
+$(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
+	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
+endef
+BOARD_LINK := -nostdlib -Wl,--gc-sections -Lhal/emulated
+CORTEX_M   := $(filter cortex-%,$(BOARD_TARGETS))
+$(foreach t,$(CORTEX_M),$(eval $(call BOARD_TARGET,$(t),arm-none-eabi-gcc -mcpu=$(or $(BOARD_CPU_$(t)),$(t)) -mthumb,\
     hal/emulated/cortex_m.c hal/mps2/board.c hal/mps2/timer_$(or $(BOARD_TIMER_$(t)),cmsdk).c)))
+$(foreach t,$(CORTEX_M),$(eval $(call BOARD_PROGRAMS,$(t),-Lhal/mps2 -T $(BOARD_SCRIPT_$(t)).ld)))
 $(eval $(call BOARD_TARGET,rv32imac,riscv64-unknown-elf-gcc -march=rv32imac_zicsr -mabi=ilp32 -mcmodel=medany,\
-    -march=rv32imac -Wl$(COMMA)--no-warn-rwx-segments -T hal/rv32virt/rv32virt.ld,hal/rv32virt/startup.c hal/rv32virt/board.c))
+    hal/rv32virt/startup.c hal/rv32virt/board.c))
+# The library is filed under the instruction set without its later name for the control registers.
+$(eval $(call BOARD_PROGRAMS,rv32imac,-march=rv32imac -Wl$(COMMA)--no-warn-rwx-segments -T hal/rv32virt/rv32virt.ld))
+
+# The smallest device: the firmware with scene and table built in, tiles of 32 x 32.
+$(eval $(call BOARD_TARGET,lm3s6965,arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -DRASTER_TILE_WIDTH=32 -DRASTER_TILE_HEIGHT=32,\
+    hal/emulated/cortex_m.c $(wildcard hal/lm3s6965/*.c)))
+$(B)/board/oled.blob: host_tools/scenes/oled.json $(B)/gtscene
+	@mkdir -p $(@D)
+	$(B)/gtscene build $< -o $@
+$(B)/board/gold_91x46.ktx2: $(B)/demo/gold.csv $(B)/gtlut
+	@mkdir -p $(@D)
+	$(B)/gtlut build $< -o $@ --size 91x46
+# Banks of 6 and 17 blocks of 4 KB: as hal/lm3s6965/image.h says.
+$(B)/board/lm3s6965.img: $(B)/board/make_image $(B)/board/oled.blob $(B)/board/gold_91x46.ktx2
+	$(B)/board/make_image $@ 6 17 $(filter-out $<,$^)
+$(B)/board/lm3s6965/image.o: hal/lm3s6965/image.S $(B)/board/lm3s6965.img
+	@mkdir -p $(@D)
+	$(BOARD_CC_lm3s6965) -Wa,-I$(B)/board -c $< -o $@
+$(B)/board/lm3s6965/oled.elf: $(B)/board/lm3s6965/image.o $(BOARD_OBJ_lm3s6965) $(BOARD_FIRMWARE_OBJ_lm3s6965)
+	$(BOARD_CC_lm3s6965) $(BOARD_LINK) -Lhal/lm3s6965 -T lm3s6965.ld $^ -lgcc -o $@
 
 .PHONY: deps-board work-a work-a-built
 deps-board:
@@ -57,7 +82,8 @@ $(B)/board/work_a.blob: host_tools/scenes/work_a.json $(B)/gtscene $(WORK_A_MESH
 	$(B)/gtscene build $< -o $@ --data $(GONIOTILE_DATA)/meshes
 work-a: deps-board ## instructions of the comparison frame: one knot of 7680 triangles (needs the data folder)
 	$(AGAIN) work-a-built
-work-a-built: $(B)/board/work_a.blob $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
+WORK_A_PROGRAMS := $(B)/board/work_a.blob $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
+work-a-built: $(WORK_A_PROGRAMS)
 	@B=$(B) tests/board/work_a.sh
 
 # --- the firmware on the boards: the demo's scene and tables in a flash image ---
@@ -92,12 +118,19 @@ $(HOST_HASHES:%=$(B)/board/host_hash-%): $(B)/board/host_hash-%: tests/board/hos
 	@mkdir -p $(@D)
 	$(or $(HOST_HASH_CC_$*),gcc) -std=gnu11 $(HOST_HASH_FLAGS_$*) -Wall -Wextra -Werror $(CORE_INC) -o $@ $(filter %.c,$^)
 
-.PHONY: boards boards-built profile
+$(B)/board/compare_oled: $(B)/host/tests/board/compare_oled.o $(B)/libhost.a
+	$(CC) -o $@ $^ -lm
+
+.PHONY: boards boards-build boards-built profile
 boards: deps-board ## run the firmware on the emulated boards: hash, instructions, code, RAM, stack; all hashes must agree
 	$(AGAIN) boards-built
-boards-built: $(BOARD_TARGETS:%=$(B)/board/%/firmware.elf) $(B)/board/measured.img $(B)/board/lafortune_phong.img \
-    $(HOST_HASHES:%=$(B)/board/host_hash-%)
+boards-build: $(foreach t,$(BOARD_TARGETS),$(B)/board/$(t)/firmware.elf $(B)/board/$(t)/fault.elf) $(B)/board/lm3s6965/oled.elf \
+    $(B)/board/measured.img $(B)/board/lafortune_phong.img $(HOST_HASHES:%=$(B)/board/host_hash-%) $(B)/board/compare_oled
+boards-built: boards-build
 	@B=$(B) tests/board/boards.sh
+# The check runs tests/e2e/test_boards.sh, the benchmark tests/board/bench.sh.
+check-built: boards-build
+bench-built: boards-build $(if $(WORK_A_MESH),$(WORK_A_PROGRAMS))
 
 $(B)/board/profile.so: tests/board/profile.c
 	@mkdir -p $(@D)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the firmware on every emulated board with the six models, measured and Lafortune-Phong, and prints one line per board and model;
-# fails when a picture differs from another, the host's included. Needs: make boards.
+# fails when a picture differs from another, the host's included. Needs the programs: make boards builds them.
 #   hash          FNV-1a of the picture, 320 x 240, RGB888
 #   instructions  of one frame: culling, binning and all tiles
 #   text          code and constants of the whole program

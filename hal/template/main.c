@@ -1,0 +1,151 @@
+/*
+ * A board to start from: compiles for any target and does nothing. Copy the folder, then work through the comments: each says what the
+ * firmware relies on. hal.h is the contract, hal/sim an implementation to compare with.
+ *
+ * Before main
+ *   [ ] startup copies .data, clears .bss and sets the stack (the firmware's own need: `make boards` prints it)
+ *   [ ] .data and .bss hold no code the firmware calls; it needs no heap, no floating point, no C library but memcpy, memset,
+ *       memmove and memcmp
+ *   [ ] the end of the stack is guarded, and faults have a stack of their own (hal/emulated/cortex_m.c)
+ *   [ ] caches are on for flash; memory that DMA reads is clean or not cached
+ */
+#include "app.h"
+
+#define FLASH_BYTES       (128u * 1024u)
+#define FLASH_BLOCK_BYTES 4096u
+
+/* [ ] All of this in the fastest RAM there is: struct app holds the tile that the renderer works on. */
+static struct app app;
+/* [ ] Large enough for the scenes to come: a frame that needs more is refused, and the reply says how much it takes. */
+static uint64_t arena[16 * 1024 / 8];
+/* [ ] The flash region for scene and tables, not an array; 4-aligned, outside the program. */
+static const uint8_t flash[FLASH_BYTES];
+
+/* [ ] Counts up, wraps at 2^32, costs little: the cycle counter (DWT CYCCNT, mcycle), or a timer at the core's clock.
+ * [ ] Or leave hal.clock NULL: costs are then modelled, and repeat exactly. */
+static uint32_t clock_read(void *ctx)
+{
+    (void)ctx;
+    return 0;
+}
+
+/* [ ] Rows follow each other without gap; RGB565 is little-endian in memory: many panels want it swapped.
+ * [ ] `pixels` may be overwritten on return: wait for the DMA that reads it, or copy.
+ * [ ] Any tile inside the picture, in any order; tiles at the right and bottom edge are smaller. */
+static int display_write(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t h, const void *pixels)
+{
+    (void)ctx;
+    (void)x;
+    (void)y;
+    (void)w;
+    (void)h;
+    (void)pixels;
+    return HAL_OK;
+}
+
+/* [ ] Interrupts only queue; this takes from the queue, in order, and never waits.
+ * [ ] A bus reset empties the endpoints' queues, clears their stalls and the address.
+ * [ ] A SETUP packet clears the stall of endpoint 0. */
+static enum hal_usb_event usb_event(void *ctx, uint8_t setup[8])
+{
+    (void)ctx;
+    (void)setup;
+    return HAL_USB_NONE;
+}
+
+/* [ ] One packet per call; at least 4 KB of endpoint 1 are buffered, so that the bus keeps moving while a tile renders.
+ * [ ] A full buffer answers NAK. */
+static int usb_read(void *ctx, uint8_t endpoint, void *data, size_t max)
+{
+    (void)ctx;
+    (void)endpoint;
+    (void)data;
+    (void)max;
+    return HAL_AGAIN;
+}
+
+/* [ ] Copies the packet, or keeps it until sent; zero-length packets are sent, too. */
+static int usb_write(void *ctx, uint8_t endpoint, const void *data, size_t bytes)
+{
+    (void)ctx;
+    (void)endpoint;
+    (void)data;
+    (void)bytes;
+    return HAL_AGAIN;
+}
+
+/* [ ] Clearing empties the queue and resets the data toggle; the first clearing opens the endpoint. */
+static void usb_stall(void *ctx, uint8_t endpoint, bool stalled)
+{
+    (void)ctx;
+    (void)endpoint;
+    (void)stalled;
+}
+
+/* [ ] Takes effect after the status packet is acknowledged, not before. */
+static void usb_set_address(void *ctx, uint8_t address)
+{
+    (void)ctx;
+    (void)address;
+}
+
+/* [ ] Erased bytes read 0xff, through the mapping, caches included.
+ * [ ] Code that runs meanwhile is not in the bank being erased, or the core stalls: that is allowed.
+ * [ ] A failed verification is HAL_ERROR. */
+static int flash_erase(void *ctx, uint32_t offset)
+{
+    (void)ctx;
+    (void)offset;
+    return HAL_FORBIDDEN;
+}
+
+/* [ ] Words are programmed once between two erases; `bytes` may span pages of the flash.
+ * [ ] A power cut in here leaves no other word than those asked for undefined. */
+static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t bytes)
+{
+    (void)ctx;
+    (void)offset;
+    (void)data;
+    (void)bytes;
+    return HAL_FORBIDDEN;
+}
+
+/* [ ] The jumper or strap, read each time. */
+static bool write_allowed(void *ctx)
+{
+    (void)ctx;
+    return false;
+}
+
+int main(void)
+{
+    static const struct hal hal = {
+        .clock = clock_read,
+        .display_write = display_write,
+        .usb_event = usb_event,
+        .usb_read = usb_read,
+        .usb_write = usb_write,
+        .usb_stall = usb_stall,
+        .usb_set_address = usb_set_address,
+        .usb_high_speed = false, /* [ ] as the controller negotiates */
+        .flash = flash,
+        .flash_bytes = FLASH_BYTES,
+        .flash_block_bytes = FLASH_BLOCK_BYTES,
+        .flash_erase = flash_erase,
+        .flash_program = flash_program,
+        .write_allowed = write_allowed,
+    };
+    static const struct app_config config = {
+        .width = 128, /* [ ] the display's */
+        .height = 64,
+        .format = RASTER_RGB565,
+        .slot_count = 2, /* [ ] one for the scene, the others for tables; each takes two banks of flash */
+        .arena = arena,
+        .arena_bytes = sizeof arena,
+        .serial = "GT-0001", /* [ ] different on every device */
+    };
+    if (app_init(&app, &hal, &config) != APP_OK)
+        return 1; /* [ ] a light, a message: the configuration does not fit the flash */
+    for (;;)
+        app_poll(&app); /* [ ] feed the watchdog here: one call takes at most one tile's time */
+}
