@@ -68,6 +68,7 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
     const int32_t width = r->frame.width, height = r->frame.height;
     int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
     int32_t w0 = INT32_MAX, w1 = 0;
+    uint32_t inv_w0 = UINT32_MAX, inv_w1 = 0;
     unsigned common = CLIP_NEAR | CLIP_LEFT | CLIP_RIGHT | CLIP_TOP | CLIP_BOTTOM, any = 0;
     for (unsigned i = 0; i < 8; i++) {
         struct scene_vertex corner = {i & 1 ? m->hi[0] : m->lo[0], i & 2 ? m->hi[1] : m->lo[1],
@@ -87,23 +88,27 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
         y1 = fx_max(y1, p.y);
         w0 = fx_min(w0, c.w);
         w1 = fx_max(w1, c.w);
+        inv_w0 = p.inv_w < inv_w0 ? p.inv_w : inv_w0;
+        inv_w1 = p.inv_w > inv_w1 ? p.inv_w : inv_w1;
     }
     if (common)
         return false;
-    out->flags = 0;
     if (any) { /* reaches behind the near plane or out of the guard band: the whole picture may be touched */
-        *out = (struct coverage){0, 0, r->tiles_x - 1, r->tiles_y - 1, 0};
+        *out = (struct coverage){0, 0, r->tiles_x - 1, r->tiles_y - 1, VISIBLE_SHIFT(INV_W_BITS - NORMAL_BITS)};
         return true;
     }
+    uint32_t bits = 32 - fx_clz(inv_w1 | 1);
+    out->flags = VISIBLE_SHIFT(bits > NORMAL_BITS ? bits - NORMAL_BITS : 0);
     /* A vertex inside the box may round 1/256 px beyond the corners'. First pixel centre >= x0-1, last < x1+1. */
     int32_t px0 = (x0 - 1 + 127) >> 8, px1 = (x1 + 1 - 128) >> 8, py0 = (y0 - 1 + 127) >> 8, py1 = (y1 + 1 - 128) >> 8;
     if (px0 > px1 || py0 > py1 || px1 < 0 || py1 < 0 || px0 >= width || py0 >= height)
         return false;
     /* The small path's shifts are in range for every w between the corners'. */
     int32_t near_lead = (int32_t)fx_clz((uint32_t)w0), far_lead = (int32_t)fx_clz((uint32_t)w1);
-    if (x1 - x0 <= SMALL_EXTENT - 2 && y1 - y0 <= SMALL_EXTENT - 2 && o->shift_xy - near_lead >= 0 &&
-        o->shift_xy - far_lead <= 31 && o->shift_depth - near_lead >= 6 && o->shift_depth - far_lead <= 31)
-        out->flags = VISIBLE_SMALL;
+    if (x1 - x0 <= SMALL_EXTENT - 2 && y1 - y0 <= SMALL_EXTENT - 2 && inv_w1 - inv_w0 <= SMALL_DEPTH &&
+        o->shift_xy - near_lead >= 0 && o->shift_xy - far_lead <= 31 && o->shift_depth - near_lead >= 6 &&
+        o->shift_depth - far_lead <= 31)
+        out->flags |= VISIBLE_SMALL;
     out->x0 = fx_max(px0, 0) / RASTER_TILE_WIDTH;
     out->y0 = fx_max(py0, 0) / RASTER_TILE_HEIGHT;
     out->x1 = fx_min(px1, width - 1) / RASTER_TILE_WIDTH;

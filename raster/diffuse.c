@@ -1,6 +1,6 @@
 /*
  * Diffuse materials: kd/pi for every direction. Lights are turned into the meshlet's frame once a run, where the normal is
- * (ku, kv, k-1), so that n.l = k (u lx + v ly + lz) - lz.
+ * m (U, V, D) - (0, 0, 1), so that n.l = m (U lx + V ly + D lz) - lz.
  */
 #include "internal.h"
 
@@ -20,20 +20,17 @@ void raster_diffuse_setup(struct raster_diffuse *d, const struct raster *r, cons
     }
 }
 
-void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, uint32_t packed_normal)
+void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, const struct raster_normal *n)
 {
-    int32_t u = (int16_t)(packed_normal & 0xffff), v = (int16_t)(packed_normal >> 16);
-    int32_t k = (int32_t)raster_stereographic_scale(u, v) << 14; /* Q29, <= 2^30 */
     radiance[0] = radiance[1] = radiance[2] = 0;
     for (unsigned i = 0; i < d->light_count; i++) {
         const struct vec3 l = d->light[i].direction;
-        /* Q29: |(u,v)| <= 2^14.6 and |l| <= 2^15.01 make the sum <= 2^30.4 */
-        int32_t dot = u * l.x + v * l.y + l.z * 16384;
-        int32_t nl = fx_mulhi(dot, k) - l.z * 2048; /* Q26 */
+        int32_t dot = n->u * l.x + n->v * l.y + n->d * l.z; /* |(u,v,d)| <= 2^14.9, |l| <= 2^15.01: 2^29.9 */
+        int32_t nl = (int32_t)(((int64_t)dot * n->m) >> 17) - l.z * 2048; /* Q26, the product <= 2^44.1 */
         if (nl <= 0)
             continue;
-        uint32_t n = nl >= 1 << 26 ? UINT32_MAX : (uint32_t)nl << 6; /* Q32 */
+        uint32_t q32 = nl >= 1 << 26 ? UINT32_MAX : (uint32_t)nl << 6;
         for (int c = 0; c < 3; c++)
-            radiance[c] = fx_add_sat(radiance[c], fx_mulhi_u(d->light[i].colour[c], n));
+            radiance[c] = fx_add_sat(radiance[c], fx_mulhi_u(d->light[i].colour[c], q32));
     }
 }

@@ -1,7 +1,7 @@
 /*
- * The general triangle path: any size and any perspective. Edges are set up in 64 bits, attributes are barycentric weights per
- * pixel from exact edge values, perspective-correct. Chosen by the triangle and never by the tile, as the small path is,
- * so that tiles of any size agree.
+ * The general triangle path: any size and shape. Edges are set up in 64 bits, attributes come from barycentric weights per pixel,
+ * exact edge values over the area. Chosen by the triangle and never by the tile, as the small path is, so that tiles of any
+ * size agree.
  */
 #include "edge.h"
 
@@ -74,14 +74,6 @@ static inline uint32_t weight(int64_t n, unsigned lead, uint32_t recip)
     return w > 1u << 29 ? 1u << 29 : w;
 }
 
-/* The share n of a vertex in the pixel's 1/w, both with 29 more bits, in Q29. n <= inv_w * 2^29 but for rounding; recip is that
- * of inv_w << up, up 9..31. */
-static inline uint32_t share(uint64_t n, unsigned up, uint32_t recip)
-{
-    n = up <= 29 ? n >> (29 - up) : n << (up - 29);
-    return fx_mulhi_u(n > UINT32_MAX ? UINT32_MAX : (uint32_t)n, recip);
-}
-
 /* a + wb (b-a) + wc (c-a), weights Q29, rounded. |differences| <= 2^23. */
 static inline int32_t blend(int32_t a, int32_t db, int32_t dc, uint32_t wb, uint32_t wc)
 {
@@ -99,7 +91,6 @@ void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, c
     uint32_t recip = raster_recip((uint32_t)(area << lead >> 32));
     int64_t dx1 = b->x - a->x, dy1 = b->y - a->y, dx2 = c->x - a->x, dy2 = c->y - a->y; /* < 2^23 */
     int32_t db = (int32_t)(b->inv_w - a->inv_w), dc = (int32_t)(c->inv_w - a->inv_w);
-    bool flat = a->u == b->u && a->u == c->u && a->v == b->v && a->v == c->v;
     for (int32_t i = 0; i < s.rows; i++) {
         int32_t row = s.first_row + i, left = t->spans[2 * i], count = t->spans[2 * i + 1];
         int64_t px = 256 * left + 128 - a->x, py = 256 * row + 128 - a->y;
@@ -112,17 +103,10 @@ void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, c
             uint32_t key = (inv_w + DEPTH_BIAS) << 8 | slot;
             if (p->depth_slot >= key)
                 continue;
-            int32_t u = a->u, v = a->v;
-            if (!flat && inv_w) { /* perspective: weights times own 1/w over the pixel's 1/w; products <= 2^52 */
-                unsigned up = fx_clz(inv_w);
-                uint32_t r = raster_recip(inv_w << up);
-                wb = share((uint64_t)wb * b->inv_w, up, r);
-                wc = share((uint64_t)wc * c->inv_w, up, r);
-                u = blend(u, b->u - a->u, c->u - a->u, wb, wc);
-                v = blend(v, b->v - a->v, c->v - a->v, wb, wc);
-            }
+            uint32_t u = (uint32_t)blend(a->u, b->u - a->u, c->u - a->u, wb, wc);
+            uint32_t v = (uint32_t)blend(a->v, b->v - a->v, c->v - a->v, wb, wc);
             p->depth_slot = key;
-            p->normal = ((uint32_t)u & 0xffff) | (uint32_t)v << 16;
+            p->normal = (u & 0xffff) | v << 16;
         }
     }
 }
@@ -135,6 +119,12 @@ static bool outside(const struct raster_vertex *a, const struct raster_vertex *b
            (a->x > right && b->x > right && c->x > right) || (a->y > bottom && b->y > bottom && c->y > bottom);
 }
 
+static struct raster_small pack(const struct raster_vertex *v)
+{
+    return (struct raster_small){((uint32_t)(v->x - 128) & 0xffff) | (uint32_t)(v->y - 128) << 16, v->inv_w,
+                                 ((uint32_t)v->u & 0xffff) | (uint32_t)v->v << 16};
+}
+
 void raster_draw_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *c,
                          const struct raster_vertex *b, uint32_t slot, struct raster_stats *stats)
 {
@@ -145,5 +135,16 @@ void raster_draw_general(struct raster_tile *t, const struct raster_vertex *a, c
     if (area <= 0)
         return;
     stats->triangles++;
-    raster_fill_general(t, a, b, c, (uint64_t)area, slot, stats);
+    int32_t x0 = fx_min(a->x, fx_min(b->x, c->x)), x1 = fx_max(a->x, fx_max(b->x, c->x));
+    int32_t y0 = fx_min(a->y, fx_min(b->y, c->y)), y1 = fx_max(a->y, fx_max(b->y, c->y));
+    uint32_t near = a->inv_w > b->inv_w ? a->inv_w : b->inv_w, far = a->inv_w < b->inv_w ? a->inv_w : b->inv_w;
+    near = near > c->inv_w ? near : c->inv_w;
+    far = far < c->inv_w ? far : c->inv_w;
+    if (x1 - x0 <= SMALL_EXTENT && y1 - y0 <= SMALL_EXTENT &&
+        near - far <= SMALL_DEPTH) { /* and touches the tile: a small one after all */
+        const struct raster_small sa = pack(a), sb = pack(b), sc = pack(c);
+        raster_fill_small(t, &sa, &sb, &sc, (uint32_t)area, slot, stats);
+    } else {
+        raster_fill_general(t, a, b, c, (uint64_t)area, slot, stats);
+    }
 }

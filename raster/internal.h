@@ -15,11 +15,19 @@
 #define GUARD_BITS 13
 /* A small meshlet's extent in 24.8: below 63 px, so that coordinates from a tile it touches fit 16 bits. */
 #define SMALL_EXTENT (63 * 256)
-/* 1/w of a triangle drawn affinely varies by at most 1/2^n, so that its normal's coordinates err by less than a quarter
- * of that times their own change. */
-#define SMALL_DEPTH_RATIO_BITS 5
-#define VIEW_STEP_BITS         14
-#define DEPTH_BIAS             128u /* keeps an interpolated depth, which may err by its gradient's rounding, above zero */
+/* ... and its range of 1/w, which bounds depth gradients. */
+#define SMALL_DEPTH (1 << 21)
+/*
+ * Normals in homogeneous form. A vertex' stereographic coordinates (u, v) times its 1/w are linear on the screen, as 1/w is, and
+ * a pixel needs no division by 1/w:
+ *   n = (2 u, 2 v, 1-s)/(1+s), u = U/D, v = V/D   =>   n = (2 U m, 2 V m, 2 D m - 1), m = D/(D^2+U^2+V^2),
+ * one division that any interpolated normal takes. D is 1/w >> a shift that each meshlet has, so that its largest D has
+ * NORMAL_BITS bits: U and V are as precise as Q14 at its nearest vertex and lose a bit where w doubles.
+ */
+#define INV_W_BITS     24 /* inv_w <= 2^23 */
+#define NORMAL_BITS    14
+#define VIEW_STEP_BITS 14
+#define DEPTH_BIAS     128u /* keeps an interpolated depth, which may err by its gradient's rounding, above zero */
 
 struct raster_object {
     int32_t row[3][3]; /* X, Y, W from vertex units; |entry| < 2^15 */
@@ -34,7 +42,9 @@ struct raster_object {
     int16_t rotation[9]; /* eye space from object space, Q14 */
 };
 
-#define VISIBLE_SMALL 1u /* drawn by small.c */
+#define VISIBLE_SMALL        1u                         /* drawn by small.c */
+#define VISIBLE_SHIFT(shift) ((uint16_t)((shift) << 8)) /* from inv_w to D, see NORMAL_BITS */
+#define VISIBLE_GET_SHIFT(f) ((unsigned)(f) >> 8)
 
 struct raster_visible {
     uint16_t object;
@@ -54,6 +64,29 @@ static inline uint32_t raster_recip(uint32_t x)
     uint32_t r0 = UINT32_MAX / (x >> 16);                         /* 2^48/x (1+d), 65537 <= r0 <= 131071 */
     int32_t d = (int32_t)(fx_mulhi_u(x, r0 << 15) - 0x80000000u); /* d * 2^31, |d| <= 2^-15 */
     return (r0 << 13) - (uint32_t)fx_mulhi((int32_t)(r0 << 13), d * 2);
+}
+
+/* A vertex' normal coordinate in homogeneous form: times D. |u| <= 2^14. */
+static inline int32_t raster_homogeneous(int32_t u, uint32_t inv_w, unsigned shift)
+{
+    return (u * (int32_t)(inv_w >> shift) + (1 << 13)) >> 14;
+}
+
+/* A surface's normal in its meshlet's frame is (U m, V m, D m) * 2^-28 - (0, 0, 1). */
+struct raster_normal {
+    int32_t u, v, d; /* |u|, |v| <= 2^14.1, 2^6 <= d <= 2^14.1 */
+    int32_t m;       /* 2^29 d/(d^2+u^2+v^2), rounding below 2^-15 of it: d m <= 2^29.1, |u m|, |v m| <= 2^28.1 */
+};
+static inline struct raster_normal raster_decode_normal(const struct raster_surface *s, unsigned shift)
+{
+    /* Rounded to nearest; the bias off, below which an interpolated depth may err. */
+    const uint32_t bias = (DEPTH_BIAS << 8) - (128u << shift), key = s->depth_slot;
+    struct raster_normal n = {(int16_t)(s->normal & 0xffff), (int16_t)(s->normal >> 16),
+                              (int32_t)((key > bias ? key - bias : 0) >> (8 + shift)), 0};
+    n.d = fx_max(n.d, 64);
+    uint32_t den = (uint32_t)(n.d * n.d) + (uint32_t)(n.u * n.u) + (uint32_t)(n.v * n.v); /* 2^12 .. 2^30 */
+    n.m = (int32_t)(((uint32_t)n.d << 17) / ((den + (1 << 11)) >> 12));
+    return n;
 }
 
 /* transform.c */
@@ -91,17 +124,21 @@ unsigned raster_clip_polygon(struct raster_clip_vertex *p, unsigned count, unsig
 /* small.c: transforms the vertices of a meshlet marked VISIBLE_SMALL, whose box touches the tile; centre as for
  * raster_project, but from the tile's first pixel centre. */
 void raster_transform_small(struct raster_small *out, const struct raster_object *o, const struct scene_vertex *v,
-                            uint32_t count, int32_t centre_x2, int32_t centre_y2);
+                            uint32_t count, unsigned normal_shift, int32_t centre_x2, int32_t centre_y2);
 /* Draws the front-facing of `count` triangles. In: vertices within 127 px of the tile's corner, 63 px of each other. */
 void raster_draw_small(struct raster_tile *t, const struct raster_small *vertices,
                        const struct scene_triangle *triangles, uint32_t count, uint32_t slot,
                        struct raster_stats *stats);
 
+/* One of them, known to face the eye: clockwise on the screen (y down), area = twice its area in 1/65536 px^2, > 0. */
+void raster_fill_small(struct raster_tile *t, const struct raster_small *a, const struct raster_small *b,
+                       const struct raster_small *c, uint32_t area, uint32_t slot, struct raster_stats *stats);
+
 /* general.c: draws one triangle when it faces the eye. In: vertices inside the guard band, counter-clockwise as the scene
  * says. */
 void raster_draw_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
                          const struct raster_vertex *c, uint32_t slot, struct raster_stats *stats);
-/* The same for one known to face the eye: clockwise on the screen (y down), area = twice its area in 1/65536 px^2, > 0. */
+/* The same for one known to face the eye, as for raster_fill_small. */
 void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
                          const struct raster_vertex *c, uint64_t area, uint32_t slot, struct raster_stats *stats);
 
@@ -135,15 +172,7 @@ struct raster_diffuse { /* all lights for one meshlet */
     } light[SCENE_MAX_LIGHTS];
 };
 void raster_diffuse_setup(struct raster_diffuse *d, const struct raster *r, const struct raster_slot *slot);
-void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, uint32_t packed_normal);
-
-/* 2/(1+s), s = u^2+v^2, of stereographic coordinates in Q14: the normal is (ku, kv, k-1). Out: Q15, 0.6..2, error below
- * 2^-16. In: |u|, |v| <= 2^14.1. */
-static inline uint32_t raster_stereographic_scale(int32_t u, int32_t v)
-{
-    uint32_t s = (uint32_t)(u * u) + (uint32_t)(v * v); /* Q28, <= 2.3 */
-    return (UINT32_MAX >> 1) / (((1u << 28) + s) >> 13);
-}
+void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, const struct raster_normal *n);
 
 /* tone.c: exposed linear radiance to a finished pixel in the frame's format: RGB565, or 0x00BBGGRR for RGB888. */
 uint32_t raster_finish_pixel(const struct raster_frame *f, const uq12_20_t radiance[3]);

@@ -108,13 +108,13 @@ struct raster {
 
 struct raster_surface {
     uint32_t depth_slot; /* depth << 8 | slot, larger is nearer; 0 = background; slot 0 = already shaded */
-    uint32_t normal;     /* stereographic u (low half) and v (high half), Q14; 0x00BBGGRR once shaded */
+    uint32_t normal;     /* homogeneous U (low half) and V (high half); the finished pixel once shaded */
 };
 
 struct raster_vertex { /* projected */
     q24_8_t x, y;      /* relative to the tile's corner */
     uint32_t inv_w;    /* proportional to 1/w, at most 2^23 */
-    int16_t u, v;
+    int16_t u, v;      /* homogeneous */
 };
 
 struct raster_small { /* projected, of a small meshlet */
@@ -125,13 +125,13 @@ struct raster_small { /* projected, of a small meshlet */
 
 struct raster_clip_vertex { /* before the perspective division, in its object's scales */
     int32_t x, y, w;
-    int16_t u, v;
+    int16_t u, v; /* stereographic, Q14 */
 };
 
 struct raster_slot {  /* a meshlet in this tile: what shading needs of it */
     int16_t frame[9]; /* columns: its frame's axes in eye space, Q14 */
     uint8_t material;
-    uint8_t reserved;
+    uint8_t normal_shift; /* from 1/w to the normal's third coordinate */
 };
 
 struct raster_batch {

@@ -33,13 +33,12 @@ static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uin
     }
 }
 
-/* Stereographic (u, v) in the meshlet's frame to a unit vector in eye space, Q15: n = (ku, kv, k-1), of unit length by
- * construction, whatever u and v were interpolated to. */
-static struct vec3 decode_normal(const struct raster_slot *slot, uint32_t packed)
+/* A surface's normal in eye space, Q15: of unit length by construction, whatever its coordinates were interpolated to. */
+static struct vec3 eye_normal(const struct raster_slot *slot, const struct raster_surface *s)
 {
-    int32_t u = (int16_t)(packed & 0xffff), v = (int16_t)(packed >> 16); /* Q14, |.| <= 2^14.1 */
-    int32_t k = (int32_t)raster_stereographic_scale(u, v);
-    int32_t x = (u * k + (1 << 13)) >> 14, y = (v * k + (1 << 13)) >> 14, z = k - 32768; /* Q15 */
+    struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
+    int32_t x = (n.u * n.m + (1 << 12)) >> 13, y = (n.v * n.m + (1 << 12)) >> 13;
+    int32_t z = ((n.d * n.m + (1 << 12)) >> 13) - 32768;
     const int16_t *f = slot->frame; /* Q14: sums <= sqrt(3) * 2^29 */
     return (struct vec3){(f[0] * x + f[1] * y + f[2] * z + (1 << 13)) >> 14,
                          (f[3] * x + f[4] * y + f[5] * z + (1 << 13)) >> 14,
@@ -104,7 +103,7 @@ static void gather_run(const struct output *o, const struct raster_slot *slot, u
             flush(o, stats);
         uint32_t i = b->count++, pixel = y * RASTER_TILE_WIDTH + x;
         b->pixel[i] = (uint16_t)pixel;
-        b->normal[i] = decode_normal(slot, o->t->surface[pixel].normal);
+        b->normal[i] = eye_normal(slot, &o->t->surface[pixel]);
         b->view[i] = raster_view_vector(o->r, o->rect->x + x, o->rect->y + y);
         b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
     }
@@ -120,7 +119,8 @@ static void diffuse_run(const struct output *o, const struct raster_slot *slot, 
     const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
     for (uint32_t end = x + count; x < end; x++, s++) {
         uq12_20_t radiance[3];
-        raster_diffuse_shade(radiance, &d, s->normal);
+        const struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
+        raster_diffuse_shade(radiance, &d, &n);
         put_pixel(o, x, y, raster_finish_pixel(&o->r->frame, radiance));
     }
 }

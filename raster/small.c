@@ -1,9 +1,9 @@
 /*
  * The small triangle path: meshlets less than 63 px wide and high, which is nearly all of them. Vertices are packed
- * 16-bit coordinates from the tile's first pixel centre, edges and areas fit 32 bits, attributes are affine.
+ * 16-bit coordinates from the tile's first pixel centre, edges and areas fit 32 bits.
  *
- * A triangle that is too thin for bounded gradients, or whose depth varies too much for affine normals, goes to the
- * general path: a choice by the triangle alone, so that tiles of any size agree.
+ * A triangle that is too thin for bounded gradients goes to the general path: a choice by the triangle alone, so that tiles
+ * of any size agree.
  */
 #include "edge.h"
 
@@ -32,7 +32,7 @@ static inline int32_t high(uint32_t xy)
 }
 
 void raster_transform_small(struct raster_small *out, const struct raster_object *o, const struct scene_vertex *v,
-                            uint32_t count, int32_t centre_x2, int32_t centre_y2)
+                            uint32_t count, unsigned normal_shift, int32_t centre_x2, int32_t centre_y2)
 {
     for (const struct scene_vertex *end = v + count; v != end; v++, out++) {
         struct raster_clip_vertex c;
@@ -44,7 +44,8 @@ void raster_transform_small(struct raster_small *out, const struct raster_object
         int32_t y = ((fx_mulhi(c.y, (int32_t)recip) >> s) + centre_y2) >> 1;
         out->xy = ((uint32_t)x & 0xffff) | (uint32_t)y << 16;
         out->inv_w = recip >> ((unsigned)o->shift_depth - lead);
-        out->uv = ((uint32_t)v->u & 0xffff) | (uint32_t)v->v << 16;
+        out->uv = ((uint32_t)raster_homogeneous(v->u, out->inv_w, normal_shift) & 0xffff) |
+                  (uint32_t)raster_homogeneous(v->v, out->inv_w, normal_shift) << 16;
     }
 }
 
@@ -100,10 +101,10 @@ static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a,
     return any ? rows : 0;
 }
 
-/* e1, e2: the attribute's differences b-a and c-a with two fraction bits less than `value`, |e| <= 2^27. */
+/* e1, e2: the attribute's differences b-a and c-a with two fraction bits less than `value`, |e| <= 2^28. */
 static inline struct plane plane_make(const struct gradient *g, uint32_t value, int32_t e1, int32_t e2)
 {
-    /* |sum| <= 2 * 2^27 * 2^28; the shifted high word is at most 2^30, see make_gradient */
+    /* |sum| <= 2 * 2^28 * 2^28; the shifted high word is at most 2^31 - 2^20, see make_gradient */
     int32_t gx = (int32_t)((uint32_t)(((int64_t)e1 * g->dy2 - (int64_t)e2 * g->dy1) >> 32) << g->shift);
     int32_t gy = (int32_t)((uint32_t)(((int64_t)e2 * g->dx1 - (int64_t)e1 * g->dx2) >> 32) << g->shift);
     uint32_t back = (uint32_t)(gx >> 8) * (uint32_t)g->fx + (uint32_t)(gy >> 8) * (uint32_t)g->fy;
@@ -117,11 +118,11 @@ static inline struct plane plane_make(const struct gradient *g, uint32_t value, 
  * attribute e changes by
  *   256 (e1 dy2 - e2 dy1)/area = (e1 K2 - e2 K1) 2^(lead-37),
  * which is the high word of the sum << (lead-3) when e comes pre-scaled by 2^n and the result has n+2 fraction bits.
- * False when some |K| >= 2^(37-lead), that is an edge longer than area/256, a triangle less than a pixel thick. Otherwise
- * |gradient| <= 2 |e|, and the high word's rounding, at most 2^(lead-3) a pixel over at most 2^(16-lead) px, adds up to below
- * 2^14 of the result's units: 64 of the depth's.
+ * False for a triangle thinner than a pixel, an edge longer than area/256, that is |K| >= 2^(37-lead). Otherwise |gradient| <= 2 |e|,
+ * and the high word's rounding, at most 2^(lead-3) a pixel over at most 2^(16-lead) px, adds up to below 2^14 of the
+ * result's units: 64 of the depth's, one of a normal's.
  */
-static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area, int32_t row)
+static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area)
 {
     unsigned lead = fx_clz(area); /* 4..31 */
     int32_t q = (int32_t)raster_recip(area << lead);
@@ -129,15 +130,10 @@ static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uin
     g->dy1 = fx_mulhi((high(b) - high(a)) * 65536, q);
     g->dx2 = fx_mulhi((low(c) - low(a)) * 65536, q);
     g->dy2 = fx_mulhi((high(c) - high(a)) * 65536, q);
-    int32_t all = (g->dx1 ^ g->dx1 >> 31) | (g->dy1 ^ g->dy1 >> 31) | (g->dx2 ^ g->dx2 >> 31) | (g->dy2 ^ g->dy2 >> 31);
-    if (lead > 5 && (uint32_t)all >> (37 - lead))
-        return false;
     g->shift = lead - 3;
-    g->fx = low(a) & 255;
-    g->fy = high(a) & 255;
-    g->px = -(low(a) >> 8);
-    g->py = row - (high(a) >> 8);
-    return true;
+    uint32_t all = (uint32_t)((g->dx1 ^ g->dx1 >> 31) | (g->dy1 ^ g->dy1 >> 31) | (g->dx2 ^ g->dx2 >> 31) |
+                              (g->dy2 ^ g->dy2 >> 31)); /* < 2^28 */
+    return lead <= 9 || all >> (37 - lead) == 0;
 }
 
 static struct raster_vertex unpack(const struct raster_small *s)
@@ -146,31 +142,29 @@ static struct raster_vertex unpack(const struct raster_small *s)
                                   (int16_t)high(s->uv)};
 }
 
-static void draw(struct raster_tile *t, const struct raster_small *a, const struct raster_small *b,
-                 const struct raster_small *c, uint32_t area, uint32_t slot, struct raster_stats *stats)
+void raster_fill_small(struct raster_tile *t, const struct raster_small *a, const struct raster_small *b,
+                       const struct raster_small *c, uint32_t area, uint32_t slot, struct raster_stats *stats)
 {
-    int32_t row;
-    int32_t rows = make_spans(t, &row, a->xy, b->xy, c->xy);
+    int32_t row, rows = make_spans(t, &row, a->xy, b->xy, c->xy);
     if (!rows)
         return;
+    int32_t d1 = (int32_t)(b->inv_w - a->inv_w), d2 = (int32_t)(c->inv_w - a->inv_w); /* <= SMALL_DEPTH */
+    int32_t u0 = low(a->uv), u1 = low(b->uv) - u0, u2 = low(c->uv) - u0;
+    int32_t v0 = high(a->uv), v1 = high(b->uv) - v0, v2 = high(c->uv) - v0;
     struct gradient g;
-    /* w, thus 1/w, may vary by 1/2^SMALL_DEPTH_RATIO_BITS: affine interpolation then errs by less than a quarter of that times
-     * the attribute's own change. */
-    int32_t d1 = (int32_t)(b->inv_w - a->inv_w), d2 = (int32_t)(c->inv_w - a->inv_w);
-    uint32_t flat = a->inv_w >> SMALL_DEPTH_RATIO_BITS;
-    if ((uint32_t)d1 + flat > 2 * flat || (uint32_t)d2 + flat > 2 * flat ||
-        !make_gradient(&g, a->xy, b->xy, c->xy, area, row)) {
+    if (!make_gradient(&g, a->xy, b->xy, c->xy, area)) {
         const struct raster_vertex va = unpack(a), vb = unpack(b), vc = unpack(c);
         raster_fill_general(t, &va, &vb, &vc, area, slot, stats);
         return;
     }
-    /* depth 24.8, |d| <= 2^18; normals Q28, plus half a unit of the Q14 they are stored as */
+    g.fx = low(a->xy) & 255;
+    g.fy = high(a->xy) & 255;
+    g.px = -(low(a->xy) >> 8);
+    g.py = row - (high(a->xy) >> 8);
+    /* depth 24.8; normals Q14, plus half a unit, with 14 more bits */
     struct plane depth = plane_make(&g, (a->inv_w + DEPTH_BIAS) << 8, d1 * 64, d2 * 64);
-    int32_t u0 = low(a->uv), v0 = high(a->uv);
-    struct plane u =
-        plane_make(&g, ((uint32_t)u0 << 14) + (1 << 13), (low(b->uv) - u0) * 4096, (low(c->uv) - u0) * 4096);
-    struct plane v =
-        plane_make(&g, ((uint32_t)v0 << 14) + (1 << 13), (high(b->uv) - v0) * 4096, (high(c->uv) - v0) * 4096);
+    struct plane u = plane_make(&g, ((uint32_t)u0 << 14) + (1 << 13), u1 * 4096, u2 * 4096);
+    struct plane v = plane_make(&g, ((uint32_t)v0 << 14) + (1 << 13), v1 * 4096, v2 * 4096);
 
     struct raster_surface *line = t->surface + row * RASTER_TILE_WIDTH;
     uint32_t tested = 0;
@@ -216,6 +210,6 @@ void raster_draw_small(struct raster_tile *t, const struct raster_small *vertice
         if (area <= 0)
             continue;
         stats->triangles++;
-        draw(t, a, b, c, (uint32_t)area, slot, stats);
+        raster_fill_small(t, a, b, c, (uint32_t)area, slot, stats);
     }
 }

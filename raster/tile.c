@@ -10,7 +10,8 @@ static void clear_surface(struct raster_tile *t)
 }
 
 /* What shading needs of a meshlet: its frame's axes in eye space, Q14. |sums| <= sqrt(3) * 2^28. */
-static void slot_setup(struct raster_slot *s, const struct raster_object *o, const struct scene_meshlet *m)
+static void slot_setup(struct raster_slot *s, const struct raster_object *o, const struct scene_meshlet *m,
+                       unsigned normal_shift)
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
@@ -19,6 +20,15 @@ static void slot_setup(struct raster_slot *s, const struct raster_object *o, con
             s->frame[3 * i + j] = (int16_t)((sum + (1 << 13)) >> 14);
         }
     s->material = o->material;
+    s->normal_shift = (uint8_t)normal_shift;
+}
+
+static void project(struct raster_vertex *p, const struct raster_object *o, const struct raster_clip_vertex *c,
+                    unsigned normal_shift, int32_t centre_x2, int32_t centre_y2)
+{
+    raster_project(p, o, c, centre_x2, centre_y2);
+    p->u = (int16_t)raster_homogeneous(c->u, p->inv_w, normal_shift);
+    p->v = (int16_t)raster_homogeneous(c->v, p->inv_w, normal_shift);
 }
 
 /* A triangle that reaches behind the near plane or out of the guard band: its clipped polygon as a fan. */
@@ -32,7 +42,7 @@ static void draw_clipped(struct raster_tile *t, const struct raster_object *o, c
         p[i] = t->m.general.clip[tri->v[i]];
     unsigned count = raster_clip_polygon(p, 3, codes, o);
     for (unsigned i = 0; i < count; i++)
-        raster_project(&v[i], o, &p[i], centre_x2, centre_y2);
+        project(&v[i], o, &p[i], t->slots[slot].normal_shift, centre_x2, centre_y2);
     for (unsigned i = 2; i < count; i++)
         raster_draw_general(t, &v[0], &v[i - 1], &v[i], slot, stats);
 }
@@ -47,7 +57,7 @@ static void draw_general(struct raster_tile *t, const struct raster_object *o, c
         raster_transform(&t->m.general.clip[i], o, &vertex[i]);
         code[i] = (uint8_t)raster_clip_code(o, &t->m.general.clip[i]);
         if (!code[i])
-            raster_project(&p[i], o, &t->m.general.clip[i], centre_x2, centre_y2);
+            project(&p[i], o, &t->m.general.clip[i], t->slots[slot].normal_shift, centre_x2, centre_y2);
     }
     for (unsigned i = 0; i < m->triangle_count; i++) {
         const uint8_t *v = triangle[i].v;
@@ -67,9 +77,10 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     const struct scene_meshlet *m = &s->meshlets[visible->meshlet];
     const struct scene_vertex *vertex = s->vertices + m->vertex_first;
     const struct scene_triangle *triangle = s->triangles + m->triangle_first;
-    slot_setup(&t->slots[slot], o, m);
+    unsigned normal_shift = VISIBLE_GET_SHIFT(visible->flags);
+    slot_setup(&t->slots[slot], o, m, normal_shift);
     if (visible->flags & VISIBLE_SMALL) {
-        raster_transform_small(t->m.small, o, vertex, m->vertex_count, centre_x2 - 256, centre_y2 - 256);
+        raster_transform_small(t->m.small, o, vertex, m->vertex_count, normal_shift, centre_x2 - 256, centre_y2 - 256);
         raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
     } else {
         draw_general(t, o, m, vertex, triangle, slot, centre_x2, centre_y2, stats);

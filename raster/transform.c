@@ -164,8 +164,6 @@ void raster_project(struct raster_vertex *p, const struct raster_object *o, cons
     /* w >= near_w >= near2 makes inv_w <= 2^23, sd >= 6 but for rounding */
     uint32_t inv_w = recip >> (sd > 31 ? 31 : sd < 6 ? 6 : sd);
     p->inv_w = inv_w > 1u << 23 ? 1u << 23 : inv_w;
-    p->u = c->u;
-    p->v = c->v;
 }
 
 /*
