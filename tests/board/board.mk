@@ -82,7 +82,7 @@ $(B)/board/work_a.blob: host_tools/scenes/work_a.json $(B)/gtscene $(WORK_A_MESH
 	$(B)/gtscene build $< -o $@ --data $(GONIOTILE_DATA)/meshes
 work-a: deps-board ## instructions of the comparison frame: one knot of 7680 triangles (needs the data folder)
 	$(AGAIN) work-a-built
-WORK_A_PROGRAMS := $(B)/board/work_a.blob $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
+WORK_A_PROGRAMS := $(B)/board/work_a.blob $(B)/board/host_hash-gcc-O2 $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
 work-a-built: $(WORK_A_PROGRAMS)
 	@B=$(B) tests/board/work_a.sh
 
