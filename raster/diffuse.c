@@ -4,33 +4,68 @@
  */
 #include "internal.h"
 
-void raster_diffuse_setup(struct raster_diffuse *d, const struct raster *r, const struct raster_slot *slot)
+uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance)
 {
-    const struct scene_material *m = &r->frame.materials[slot->material];
-    const int16_t *f = slot->frame;
-    d->light_count = r->frame.light_count;
-    for (unsigned i = 0; i < d->light_count; i++) {
-        const struct raster_light *light = &r->lights[i];
-        struct vec3 l = light->direction; /* Q15 times Q14: sums <= sqrt(3) * 2^29 */
-        d->light[i].direction = (struct vec3){(f[0] * l.x + f[3] * l.y + f[6] * l.z + (1 << 13)) >> 14,
-                                              (f[1] * l.x + f[4] * l.y + f[7] * l.z + (1 << 13)) >> 14,
-                                              (f[2] * l.x + f[5] * l.y + f[8] * l.z + (1 << 13)) >> 14};
-        for (int k = 0; k < 3; k++)
-            d->light[i].colour[k] = raster_diffuse_colour(m->kd[k], light->irradiance[k]);
-    }
+    uint64_t c = (uint64_t)fx_over_pi(kd << 12) * irradiance >> 24; /* 2^26.4 * 2^32 before the shift */
+    return c > UINT32_MAX ? UINT32_MAX : (uint32_t)c;
 }
 
-void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, const struct raster_normal *n)
+static void colour_setup(struct raster_batch *b, const struct raster *r, uint32_t material)
 {
-    radiance[0] = radiance[1] = radiance[2] = 0;
-    for (unsigned i = 0; i < d->light_count; i++) {
-        const struct vec3 l = d->light[i].direction;
-        int32_t dot = n->u * l.x + n->v * l.y + n->d * l.z; /* |(u,v,d)| <= 2^14.9, |l| <= 2^15.01: 2^29.9 */
-        int32_t nl = (int32_t)(((int64_t)dot * n->m) >> 17) - l.z * 2048; /* Q26, the product <= 2^44.1 */
-        if (nl <= 0)
-            continue;
-        uint32_t q32 = nl >= 1 << 26 ? UINT32_MAX : (uint32_t)nl << 6;
-        for (int c = 0; c < 3; c++)
-            radiance[c] = fx_add_sat(radiance[c], fx_mulhi_u(d->light[i].colour[c], q32));
+    const struct scene_material *m = &r->frame.materials[material];
+    for (unsigned i = 0; i < r->frame.light_count; i++)
+        for (int k = 0; k < 3; k++)
+            b->diffuse_colour[i][k] = raster_diffuse_colour(m->kd[k], r->lights[i].irradiance[k]);
+    b->diffuse_material = material + 1;
+}
+
+/* A light in the meshlet's frame, Q15: Q15 times Q14, sums <= sqrt(3) * 2^29. */
+static struct vec3 light_local(const int16_t f[9], struct vec3 l)
+{
+    return (struct vec3){(f[0] * l.x + f[3] * l.y + f[6] * l.z + (1 << 13)) >> 14,
+                         (f[1] * l.x + f[4] * l.y + f[7] * l.z + (1 << 13)) >> 14,
+                         (f[2] * l.x + f[5] * l.y + f[8] * l.z + (1 << 13)) >> 14};
+}
+
+/* max(n.l, 0), Q31: dot is below 2^29.9 as |(u,v,d)| <= 2^14.9 and |l| <= 2^15.01, its product with m below 2^44.1. */
+static inline uint32_t cosine(const struct raster_surface *s, unsigned shift, struct vec3 l)
+{
+    struct raster_normal n = raster_decode_normal(s, shift);
+    int32_t dot = n.u * l.x + n.v * l.y + n.d * l.z;
+    int32_t nl = (int32_t)(((int64_t)dot * n.m) >> 17) - l.z * 2048; /* Q26 */
+    return (uint32_t)fx_max(nl, 0) << 5;
+}
+
+void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+                          const struct raster_surface *s, uint32_t count)
+{
+    const unsigned shift = slot->normal_shift, lights = r->frame.light_count;
+    if (b->diffuse_material != slot->material + 1u)
+        colour_setup(b, r, slot->material);
+    for (unsigned i = 0; i < lights; i++) {
+        const struct vec3 l = light_local(slot->frame, r->lights[i].direction);
+        const uint32_t red = b->diffuse_colour[i][0], green = b->diffuse_colour[i][1], blue = b->diffuse_colour[i][2];
+        uq12_20_t *out = b->radiance[0], *end = b->radiance[count];
+        const struct raster_surface *p = s;
+        if (!i) {
+            do {
+                uint32_t q = cosine(p++, shift, l);
+                out[0] = fx_mulhi_u(red, q) << 1;
+                out[1] = fx_mulhi_u(green, q) << 1;
+                out[2] = fx_mulhi_u(blue, q) << 1;
+                out += 3;
+            } while (out != end);
+        } else {
+            do {
+                uint32_t q = cosine(p++, shift, l);
+                out[0] = fx_add_sat(out[0], fx_mulhi_u(red, q) << 1);
+                out[1] = fx_add_sat(out[1], fx_mulhi_u(green, q) << 1);
+                out[2] = fx_add_sat(out[2], fx_mulhi_u(blue, q) << 1);
+                out += 3;
+            } while (out != end);
+        }
     }
+    if (!lights)
+        for (uint32_t i = 0; i < count; i++)
+            b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }

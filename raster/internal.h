@@ -79,10 +79,10 @@ struct raster_normal {
 };
 static inline struct raster_normal raster_decode_normal(const struct raster_surface *s, unsigned shift)
 {
-    /* Rounded to nearest; the bias off, below which an interpolated depth may err. */
-    const uint32_t bias = (DEPTH_BIAS << 8) - (128u << shift), key = s->depth_slot;
-    struct raster_normal n = {(int16_t)(s->normal & 0xffff), (int16_t)(s->normal >> 16),
-                              (int32_t)((key > bias ? key - bias : 0) >> (8 + shift)), 0};
+    /* Rounded to nearest; the depth's bias off, below which an interpolated depth may err. */
+    struct raster_normal n = {
+        (int16_t)(s->normal & 0xffff), (int16_t)(s->normal >> 16),
+        (int32_t)((s->depth_slot + (128u << shift)) >> (8 + shift)) - (int32_t)(DEPTH_BIAS >> shift), 0};
     n.d = fx_max(n.d, 64);
     uint32_t den = (uint32_t)(n.d * n.d) + (uint32_t)(n.u * n.u) + (uint32_t)(n.v * n.v); /* 2^12 .. 2^30 */
     n.m = (int32_t)(((uint32_t)n.d << 17) / ((den + (1 << 11)) >> 12));
@@ -158,24 +158,15 @@ static inline bool raster_is_diffuse(const struct scene_material *m)
 }
 
 /* kd/pi * irradiance with 20 fraction bits, saturated. In: kd uq16_16 <= 1. */
-static inline uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance)
-{
-    uint64_t c = (uint64_t)fx_over_pi(kd << 12) * irradiance >> 24; /* 2^26.4 * 2^32 before the shift */
-    return c > UINT32_MAX ? UINT32_MAX : (uint32_t)c;
-}
+uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance);
 
-struct raster_diffuse { /* all lights for one meshlet */
-    uint32_t light_count;
-    struct {
-        struct vec3 direction; /* in the meshlet's frame, Q15 */
-        uint32_t colour[3];    /* kd/pi * irradiance, 20 fraction bits */
-    } light[SCENE_MAX_LIGHTS];
-};
-void raster_diffuse_setup(struct raster_diffuse *d, const struct raster *r, const struct raster_slot *slot);
-void raster_diffuse_shade(uq12_20_t radiance[3], const struct raster_diffuse *d, const struct raster_normal *n);
+/* Shades `count` pixels of one slot from s on into the batch's radiance, from its start; at most RASTER_BATCH pixels. */
+void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+                          const struct raster_surface *s, uint32_t count);
 
-/* tone.c: exposed linear radiance to a finished pixel in the frame's format: RGB565, or 0x00BBGGRR for RGB888. */
-uint32_t raster_finish_pixel(const struct raster_frame *f, const uq12_20_t radiance[3]);
+/* tone.c: exposed linear radiance of `count` pixels to finished ones in the frame's format, each in 32 bits: RGB565, or 0x00BBGGRR for
+ * RGB888. In place: out may be where radiance is. */
+void raster_finish_pixels(uint32_t *out, const struct raster_frame *f, uq12_20_t radiance[][3], uint32_t count);
 uint32_t raster_background(const struct raster_frame *f);
 
 #endif

@@ -13,7 +13,7 @@ struct output {
     bool final;
 };
 
-/* `value`: the finished pixel in the frame's format. */
+/* `value`: a finished pixel. */
 static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uint32_t value)
 {
     if (!o->final) {
@@ -31,6 +31,19 @@ static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uin
         out[1] = (uint8_t)(value >> 8);
         out[2] = (uint8_t)(value >> 16);
     }
+}
+
+/* A run of finished pixels. */
+static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
+{
+    if (o->final && o->r->frame.format == RASTER_RGB565) {
+        uint16_t *out = (uint16_t *)o->t->surface + y * o->rect->width + x;
+        for (const uint32_t *end = values + count; values != end; values++)
+            *out++ = (uint16_t)*values;
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        put_pixel(o, x + i, y, values[i]);
 }
 
 /* A surface's normal in eye space, Q15: of unit length by construction, whatever its coordinates were interpolated to. */
@@ -84,9 +97,10 @@ static void flush(const struct output *o, struct raster_stats *stats)
         else
             stats->shaded += raster_shade_lafortune_phong(b, m, &r->lights[l]);
     }
+    uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
+    raster_finish_pixels(value, &r->frame, b->radiance, b->count);
     for (uint32_t i = 0; i < b->count; i++)
-        put_pixel(o, b->pixel[i] % RASTER_TILE_WIDTH, b->pixel[i] / RASTER_TILE_WIDTH,
-                  raster_finish_pixel(&r->frame, b->radiance[i]));
+        put_pixel(o, b->pixel[i] % RASTER_TILE_WIDTH, b->pixel[i] / RASTER_TILE_WIDTH, value[i]);
     b->count = 0;
 }
 
@@ -109,20 +123,42 @@ static void gather_run(const struct output *o, const struct raster_slot *slot, u
     }
 }
 
-/* The same for a diffuse material. The run's pixels are read before they are overwritten. */
+/* The same for a diffuse material, which needs no batch of its own: runs go through the batch's radiance. A run is at most a
+ * row, thus a batch, long. */
 static void diffuse_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
                         struct raster_stats *stats)
 {
-    struct raster_diffuse d;
-    raster_diffuse_setup(&d, o->r, slot);
-    stats->shaded += count * d.light_count;
-    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
-    for (uint32_t end = x + count; x < end; x++, s++) {
-        uq12_20_t radiance[3];
-        const struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
-        raster_diffuse_shade(radiance, &d, &n);
-        put_pixel(o, x, y, raster_finish_pixel(&o->r->frame, radiance));
+    struct raster_batch *b = &o->t->batch;
+    if (b->count)
+        flush(o, stats);
+    raster_shade_diffuse(b, o->r, slot, o->t->surface + y * RASTER_TILE_WIDTH + x, count);
+    raster_finish_pixels(b->radiance[0], &o->r->frame, b->radiance, count);
+    put_run(o, x, y, b->radiance[0], count);
+    stats->shaded += count * o->r->frame.light_count;
+}
+
+/* Pixels without a slot from x on: background, or shaded before. Returns where they end. */
+static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
+                          struct raster_stats *stats)
+{
+    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+    const uint32_t width = o->rect->width;
+    if (!o->final) {
+        while (x < width && !(row[x].depth_slot & 255))
+            x++;
+        return x;
     }
+    for (; x < width && row[x].depth_slot && !(row[x].depth_slot & 255); x++, stats->covered++)
+        put_pixel(o, x, y, row[x].normal);
+    if (o->r->frame.format == RASTER_RGB565) {
+        uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
+        for (; x < width && !row[x].depth_slot; x++)
+            *out++ = (uint16_t)background;
+    } else {
+        for (; x < width && !row[x].depth_slot; x++)
+            put_pixel(o, x, y, background);
+    }
+    return x;
 }
 
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, bool final,
@@ -131,17 +167,13 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
     const struct output o = {r, t, rect, final};
     const uint32_t background = raster_background(&r->frame);
     t->batch.count = 0;
+    t->batch.diffuse_material = 0;
     for (uint32_t y = 0; y < rect->height; y++) {
         const struct raster_surface *row = t->surface + y * RASTER_TILE_WIDTH;
         for (uint32_t x = 0; x < rect->width;) {
             uint32_t slot = row[x].depth_slot & 255, count = 1;
-            if (!slot) { /* background, or shaded before */
-                if (final) {
-                    bool shaded = row[x].depth_slot;
-                    stats->covered += shaded;
-                    put_pixel(&o, x, y, shaded ? row[x].normal : background);
-                }
-                x++;
+            if (!slot) {
+                x = plain_run(&o, background, x, y, stats);
                 continue;
             }
             while (x + count < rect->width && (row[x + count].depth_slot & 255) == slot)

@@ -7,18 +7,12 @@
  */
 #include "edge.h"
 
-/* An attribute over the screen: value at a pixel centre and its change per column and row, modulo 2^32. Integer
- * steps are exact, so the value at a pixel does not depend on where the tile starts. */
-struct plane {
-    uint32_t value, dx, dy;
-};
-
-/* Per-triangle factors for gradients: edge vectors over the area. */
+/* Per-triangle factors for gradients: K, edge vectors over the area, |K| <= 2^28. */
 struct gradient {
-    int32_t dx1, dy1, dx2, dy2; /* K, |K| <= 2^28 */
-    unsigned shift;             /* lead - 3, 1..28 */
-    int32_t fx, fy;             /* vertex a from its pixel's centre, 0..255 */
-    int32_t px, py;             /* from that pixel to (column 0, first row) */
+    int32_t dx1, minus_dy1, minus_dx2, dy2;
+    unsigned shift; /* lead - 3, 1..28 */
+    int32_t fx, fy; /* vertex a from its pixel's centre, 0..255 */
+    int32_t px, py; /* from that pixel to (column 0, first row) */
 };
 
 static inline int32_t low(uint32_t xy)
@@ -101,16 +95,20 @@ static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a,
     return any ? rows : 0;
 }
 
-/* e1, e2: the attribute's differences b-a and c-a with two fraction bits less than `value`, |e| <= 2^28. */
-static inline struct plane plane_make(const struct gradient *g, uint32_t value, int32_t e1, int32_t e2)
+/* Change per column (x true) or row. e1, e2: the attribute's differences b-a and c-a with two fraction bits less than the result,
+ * |e| <= 2^28; the sum is at most 2 * 2^28 * 2^28 and the shifted high word below 2^31, see make_gradient. */
+static inline uint32_t slope(const struct gradient *g, int32_t e1, int32_t e2, bool x)
 {
-    /* |sum| <= 2 * 2^28 * 2^28; the shifted high word is at most 2^31 - 2^20, see make_gradient */
-    int32_t gx = (int32_t)((uint32_t)(((int64_t)e1 * g->dy2 - (int64_t)e2 * g->dy1) >> 32) << g->shift);
-    int32_t gy = (int32_t)((uint32_t)(((int64_t)e2 * g->dx1 - (int64_t)e1 * g->dx2) >> 32) << g->shift);
-    uint32_t back = (uint32_t)(gx >> 8) * (uint32_t)g->fx + (uint32_t)(gy >> 8) * (uint32_t)g->fy;
-    struct plane p = {value - back + (uint32_t)gx * (uint32_t)g->px + (uint32_t)gy * (uint32_t)g->py, (uint32_t)gx,
-                      (uint32_t)gy};
-    return p;
+    int64_t sum =
+        x ? (int64_t)e1 * g->dy2 + (int64_t)e2 * g->minus_dy1 : (int64_t)e2 * g->dx1 + (int64_t)e1 * g->minus_dx2;
+    return (uint32_t)(sum >> 32) << g->shift;
+}
+
+/* The value at (column 0, first row) from the one at vertex a. */
+static inline uint32_t plane_origin(const struct gradient *g, uint32_t value, uint32_t dx, uint32_t dy)
+{
+    uint32_t back = (uint32_t)((int32_t)dx >> 8) * (uint32_t)g->fx + (uint32_t)((int32_t)dy >> 8) * (uint32_t)g->fy;
+    return value - back + dx * (uint32_t)g->px + dy * (uint32_t)g->py;
 }
 
 /*
@@ -127,12 +125,12 @@ static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uin
     unsigned lead = fx_clz(area); /* 4..31 */
     int32_t q = (int32_t)raster_recip(area << lead);
     g->dx1 = fx_mulhi((low(b) - low(a)) * 65536, q);
-    g->dy1 = fx_mulhi((high(b) - high(a)) * 65536, q);
-    g->dx2 = fx_mulhi((low(c) - low(a)) * 65536, q);
+    g->minus_dy1 = fx_mulhi((high(a) - high(b)) * 65536, q);
+    g->minus_dx2 = fx_mulhi((low(a) - low(c)) * 65536, q);
     g->dy2 = fx_mulhi((high(c) - high(a)) * 65536, q);
     g->shift = lead - 3;
-    uint32_t all = (uint32_t)((g->dx1 ^ g->dx1 >> 31) | (g->dy1 ^ g->dy1 >> 31) | (g->dx2 ^ g->dx2 >> 31) |
-                              (g->dy2 ^ g->dy2 >> 31)); /* < 2^28 */
+    uint32_t all = (uint32_t)((g->dx1 ^ g->dx1 >> 31) | (g->minus_dy1 ^ g->minus_dy1 >> 31) |
+                              (g->minus_dx2 ^ g->minus_dx2 >> 31) | (g->dy2 ^ g->dy2 >> 31)); /* < 2^28 */
     return lead <= 9 || all >> (37 - lead) == 0;
 }
 
@@ -142,17 +140,38 @@ static struct raster_vertex unpack(const struct raster_small *s)
                                   (int16_t)high(s->uv)};
 }
 
+/* A normal's coordinate changes by less than 2^13 from vertex a, so that its gradient fits with 16 fraction bits. */
+static inline bool is_smooth(int32_t e1, int32_t e2)
+{
+    return ((uint32_t)(e1 + (1 << 13)) | (uint32_t)(e2 + (1 << 13))) < 1u << 14;
+}
+
+/* In: count > 0. */
+static inline void fill_span(struct raster_surface *p, int32_t count, uint32_t d, uint32_t u, uint32_t v, uint32_t ddx,
+                             uint32_t udx, uint32_t vdx)
+{
+    struct raster_surface *end = p + count;
+    do {
+        if (p->depth_slot < d) {
+            p->depth_slot = d;
+            p->normal = (v & 0xffff0000) | u >> 16;
+        }
+        d += ddx;
+        u += udx;
+        v += vdx;
+    } while (++p != end);
+}
+
 void raster_fill_small(struct raster_tile *t, const struct raster_small *a, const struct raster_small *b,
                        const struct raster_small *c, uint32_t area, uint32_t slot, struct raster_stats *stats)
 {
     int32_t row, rows = make_spans(t, &row, a->xy, b->xy, c->xy);
     if (!rows)
         return;
-    int32_t d1 = (int32_t)(b->inv_w - a->inv_w), d2 = (int32_t)(c->inv_w - a->inv_w); /* <= SMALL_DEPTH */
     int32_t u0 = low(a->uv), u1 = low(b->uv) - u0, u2 = low(c->uv) - u0;
     int32_t v0 = high(a->uv), v1 = high(b->uv) - v0, v2 = high(c->uv) - v0;
     struct gradient g;
-    if (!make_gradient(&g, a->xy, b->xy, c->xy, area)) {
+    if (!is_smooth(u1, u2) || !is_smooth(v1, v2) || !make_gradient(&g, a->xy, b->xy, c->xy, area)) {
         const struct raster_vertex va = unpack(a), vb = unpack(b), vc = unpack(c);
         raster_fill_general(t, &va, &vb, &vc, area, slot, stats);
         return;
@@ -161,32 +180,30 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
     g.fy = high(a->xy) & 255;
     g.px = -(low(a->xy) >> 8);
     g.py = row - (high(a->xy) >> 8);
-    /* depth 24.8; normals Q14, plus half a unit, with 14 more bits */
-    struct plane depth = plane_make(&g, (a->inv_w + DEPTH_BIAS) << 8, d1 * 64, d2 * 64);
-    struct plane u = plane_make(&g, ((uint32_t)u0 << 14) + (1 << 13), u1 * 4096, u2 * 4096);
-    struct plane v = plane_make(&g, ((uint32_t)v0 << 14) + (1 << 13), v1 * 4096, v2 * 4096);
+    /* Depth 24.8 in whole units, |d| <= SMALL_DEPTH; the byte below holds the slot and is not touched by the steps. */
+    int32_t d1 = (int32_t)(b->inv_w - a->inv_w) * 64, d2 = (int32_t)(c->inv_w - a->inv_w) * 64;
+    uint32_t ddx = (slope(&g, d1, d2, true) + 128) & ~(uint32_t)255,
+             ddy = (slope(&g, d1, d2, false) + 128) & ~(uint32_t)255;
+    uint32_t d = (plane_origin(&g, (a->inv_w + DEPTH_BIAS) << 8, ddx, ddy) & ~(uint32_t)255) | slot;
+    /* Normals Q14, plus half a unit, with 16 more bits. */
+    uint32_t udx = slope(&g, u1 * 16384, u2 * 16384, true), udy = slope(&g, u1 * 16384, u2 * 16384, false);
+    uint32_t u = plane_origin(&g, ((uint32_t)u0 << 16) + (1 << 15), udx, udy);
+    uint32_t vdx = slope(&g, v1 * 16384, v2 * 16384, true), vdy = slope(&g, v1 * 16384, v2 * 16384, false);
+    uint32_t v = plane_origin(&g, ((uint32_t)v0 << 16) + (1 << 15), vdx, vdy);
 
     struct raster_surface *line = t->surface + row * RASTER_TILE_WIDTH;
-    uint32_t tested = 0;
-    for (const int32_t *s = t->spans, *last = s + 2 * rows; s != last; s += 2, line += RASTER_TILE_WIDTH) {
-        uint32_t left = (uint32_t)s[0];
-        uint32_t d = depth.value + left * depth.dx, nu = u.value + left * u.dx, nv = v.value + left * v.dx;
-        tested += (uint32_t)s[1];
-        for (struct raster_surface *p = line + left, *end = p + s[1]; p != end; p++) {
-            uint32_t key = (d & ~(uint32_t)255) | slot;
-            if (p->depth_slot < key) {
-                p->depth_slot = key;
-                p->normal = (nu >> 14 & 0xffff) | (nv << 2 & 0xffff0000);
-            }
-            d += depth.dx;
-            nu += u.dx;
-            nv += v.dx;
+    for (const int32_t *s = t->spans, *last = s + 2 * rows; s != last; s += 2) {
+        int32_t count = s[1];
+        if (count) {
+            uint32_t left = (uint32_t)s[0];
+            stats->tested += (uint32_t)count;
+            fill_span(line + left, count, d + left * ddx, u + left * udx, v + left * vdx, ddx, udx, vdx);
         }
-        depth.value += depth.dy;
-        u.value += u.dy;
-        v.value += v.dy;
+        line += RASTER_TILE_WIDTH;
+        d += ddy;
+        u += udy;
+        v += vdy;
     }
-    stats->tested += tested;
 }
 
 void raster_draw_small(struct raster_tile *t, const struct raster_small *vertices,

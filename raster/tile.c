@@ -5,8 +5,9 @@
 
 static void clear_surface(struct raster_tile *t)
 {
-    for (uint32_t i = 0; i < RASTER_TILE_PIXELS; i++)
-        t->surface[i] = (struct raster_surface){0, 0};
+    const struct raster_surface empty = {0, 0};
+    for (struct raster_surface *p = t->surface, *end = p + RASTER_TILE_PIXELS; p != end; p += 8)
+        p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = empty;
 }
 
 /* What shading needs of a meshlet: its frame's axes in eye space, Q14. |sums| <= sqrt(3) * 2^28. */

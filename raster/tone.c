@@ -50,17 +50,26 @@ static inline uint32_t quantise(uq12_20_t x, uint32_t levels)
     return ((x > 1u << 20 ? 1u << 20 : x) * levels + (1u << 19)) >> 20;
 }
 
-uint32_t raster_finish_pixel(const struct raster_frame *f, const uq12_20_t radiance[3])
+void raster_finish_pixels(uint32_t *out, const struct raster_frame *f, uq12_20_t radiance[][3], uint32_t count)
 {
     if (f->output->tone_curve == SCENE_TONE_LINEAR) {
-        if (f->format == RASTER_RGB565)
-            return quantise(radiance[0], 31) << 11 | quantise(radiance[1], 63) << 5 | quantise(radiance[2], 31);
-        return quantise(radiance[0], 255) | quantise(radiance[1], 255) << 8 | quantise(radiance[2], 255) << 16;
+        const uint32_t *c = radiance[0];
+        uint32_t *end = out + count;
+        if (f->format == RASTER_RGB565) {
+            for (; out != end; c += 3)
+                *out++ = quantise(c[0], 31) << 11 | quantise(c[1], 63) << 5 | quantise(c[2], 31);
+        } else {
+            for (; out != end; c += 3)
+                *out++ = quantise(c[0], 255) | quantise(c[1], 255) << 8 | quantise(c[2], 255) << 16;
+        }
+        return;
     }
-    uint32_t c[3] = {radiance[0], radiance[1], radiance[2]};
-    if (f->output->tone_curve == SCENE_TONE_ACES)
-        apply_aces(c);
-    return pack(f, lut_srgb8(c[0]), lut_srgb8(c[1]), lut_srgb8(c[2]));
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t c[3] = {radiance[i][0], radiance[i][1], radiance[i][2]};
+        if (f->output->tone_curve == SCENE_TONE_ACES)
+            apply_aces(c);
+        out[i] = pack(f, lut_srgb8(c[0]), lut_srgb8(c[1]), lut_srgb8(c[2]));
+    }
 }
 
 uint32_t raster_background(const struct raster_frame *f)
