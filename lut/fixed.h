@@ -18,12 +18,15 @@ typedef int32_t q2_30_t;    /* rotation matrices, products of two q17_15_t: 1.0 
 typedef int32_t q16_16_t;   /* lengths in world units */
 typedef int32_t q24_8_t;    /* screen coordinates in pixels, 8 sub-pixel bits */
 typedef uint32_t uq16_16_t; /* irradiance, exposure, exponents */
-typedef uint32_t uq12_20_t; /* exposed radiance on its way to the tone curve: 1.0 = display white */
+typedef uint32_t uq12_20_t; /* exposed radiance on its way to the tone curve: 1.0 = display white; below 2^31 */
 
 /* A direction; components q17_15_t, length 32768 within a few LSB unless said otherwise. */
 struct vec3 {
     int32_t x, y, z;
 };
+
+/* Keeps a function out of line: where its arguments would be widened to 64 bits, or its registers spilled, if it were inlined. */
+#define FX_NOINLINE __attribute__((noinline))
 
 /* Number of leading zero bits. In: x != 0. Out: 0..31. */
 static inline unsigned fx_clz(uint32_t x)
@@ -54,11 +57,17 @@ static inline uint32_t fx_over_pi(uint32_t x)
     return fx_mulhi_u(x, 1367130551u); /* 2^32 / pi */
 }
 
-/* Saturating unsigned sum. */
+/* Sum that saturates at 2^31-1. In: a, b < 2^31. */
 static inline uint32_t fx_add_sat(uint32_t a, uint32_t b)
 {
     uint32_t s = a + b;
-    return s < a ? UINT32_MAX : s;
+    return s > INT32_MAX ? INT32_MAX : s;
+}
+
+/* The nearest number below 2^31. */
+static inline uint32_t fx_sat31(uint64_t x)
+{
+    return x > INT32_MAX ? INT32_MAX : (uint32_t)x;
 }
 
 static inline int32_t fx_min(int32_t a, int32_t b)

@@ -6,8 +6,7 @@
 
 uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance)
 {
-    uint64_t c = (uint64_t)fx_over_pi(kd << 12) * irradiance >> 24; /* 2^26.4 * 2^32 before the shift */
-    return c > UINT32_MAX ? UINT32_MAX : (uint32_t)c;
+    return fx_sat31((uint64_t)fx_over_pi(kd << 12) * irradiance >> 24); /* 2^26.4 * 2^32 before the shift */
 }
 
 static void colour_setup(struct raster_batch *b, const struct raster *r, uint32_t material)
@@ -15,7 +14,8 @@ static void colour_setup(struct raster_batch *b, const struct raster *r, uint32_
     const struct scene_material *m = &r->frame.materials[material];
     for (unsigned i = 0; i < r->frame.light_count; i++)
         for (int k = 0; k < 3; k++)
-            b->diffuse_colour[i][k] = raster_diffuse_colour(m->kd[k], r->lights[i].irradiance[k]);
+            b->diffuse_colour[i][k] =
+                fx_sat31(2 * (uint64_t)raster_diffuse_colour(m->kd[k], r->lights[i].irradiance[k]));
     b->diffuse_material = material + 1;
 }
 
@@ -50,17 +50,17 @@ void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const 
         if (!i) {
             do {
                 uint32_t q = cosine(p++, shift, l);
-                out[0] = fx_mulhi_u(red, q) << 1;
-                out[1] = fx_mulhi_u(green, q) << 1;
-                out[2] = fx_mulhi_u(blue, q) << 1;
+                out[0] = fx_mulhi_u(red, q);
+                out[1] = fx_mulhi_u(green, q);
+                out[2] = fx_mulhi_u(blue, q);
                 out += 3;
             } while (out != end);
         } else {
             do {
                 uint32_t q = cosine(p++, shift, l);
-                out[0] = fx_add_sat(out[0], fx_mulhi_u(red, q) << 1);
-                out[1] = fx_add_sat(out[1], fx_mulhi_u(green, q) << 1);
-                out[2] = fx_add_sat(out[2], fx_mulhi_u(blue, q) << 1);
+                out[0] = fx_add_sat(out[0], fx_mulhi_u(red, q));
+                out[1] = fx_add_sat(out[1], fx_mulhi_u(green, q));
+                out[2] = fx_add_sat(out[2], fx_mulhi_u(blue, q));
                 out += 3;
             } while (out != end);
         }

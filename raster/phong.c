@@ -43,8 +43,7 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene
         for (int k = 0; k < 3; k++) {
             uint64_t f = diffuse[k] + (specular[k] * power >> (30 - drop[k])); /* 2^32 * 2^30; drop <= 14 */
             f = f >> 32 ? UINT32_MAX : f;
-            uint64_t radiance = (f * (uint32_t)nl) >> 15;
-            b->radiance[i][k] = fx_add_sat(b->radiance[i][k], radiance > UINT32_MAX ? UINT32_MAX : (uint32_t)radiance);
+            b->radiance[i][k] = fx_add_sat(b->radiance[i][k], fx_sat31((f * (uint32_t)nl) >> 15));
         }
     }
     return count;

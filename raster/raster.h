@@ -140,7 +140,7 @@ struct raster_batch {
     uint16_t pixel[RASTER_BATCH]; /* index into the tile's surface */
     uint32_t count;
     uint32_t material;
-    /* kd/pi * irradiance of a diffuse material under each light, 20 fraction bits */
+    /* kd/pi * irradiance of a diffuse material under each light, 21 fraction bits */
     uint32_t diffuse_colour[SCENE_MAX_LIGHTS][3];
     uint32_t diffuse_material; /* whose, plus one; 0: none yet */
 };

@@ -67,7 +67,7 @@ static inline uq12_20_t add_radiance(uq12_20_t sum, uint32_t c, int32_t e, uq16_
         p = down > 63 ? 0 : p >> down;
     else
         p = down < -11 || p >> (64 + down) ? UINT64_MAX : p << -down;
-    return fx_add_sat(sum, p > UINT32_MAX ? UINT32_MAX : (uint32_t)p);
+    return fx_add_sat(sum, fx_sat31(p));
 }
 
 static void shade_measured(const struct raster *r, struct raster_batch *b, const struct scene_material *m,

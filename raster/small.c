@@ -95,20 +95,25 @@ static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a,
     return any ? rows : 0;
 }
 
-/* Change per column (x true) or row. e1, e2: the attribute's differences b-a and c-a with two fraction bits less than the result,
- * |e| <= 2^28; the sum is at most 2 * 2^28 * 2^28 and the shifted high word below 2^31, see make_gradient. */
-static inline uint32_t slope(const struct gradient *g, int32_t e1, int32_t e2, bool x)
-{
-    int64_t sum =
-        x ? (int64_t)e1 * g->dy2 + (int64_t)e2 * g->minus_dy1 : (int64_t)e2 * g->dx1 + (int64_t)e1 * g->minus_dx2;
-    return (uint32_t)(sum >> 32) << g->shift;
-}
+/* An attribute over the tile: its value at (column 0, first row) and its changes per column and row, modulo 2^32. Integer steps are
+ * exact, so the value at a pixel does not depend on where the tile starts. */
+struct plane {
+    uint32_t value, dx, dy;
+};
 
-/* The value at (column 0, first row) from the one at vertex a. */
-static inline uint32_t plane_origin(const struct gradient *g, uint32_t value, uint32_t dx, uint32_t dy)
+/* In: the value at vertex a; e1, e2: differences b-a and c-a with two fraction bits less, |e| <= 2^28. The sums are at most
+ * 2 * 2^28 * 2^28 and their shifted high words below 2^31, see make_gradient. `step` masks the changes. */
+FX_NOINLINE static void make_plane(struct plane *p, const struct gradient *g, uint32_t value, int32_t e1, int32_t e2,
+                                   uint32_t step)
 {
-    uint32_t back = (uint32_t)((int32_t)dx >> 8) * (uint32_t)g->fx + (uint32_t)((int32_t)dy >> 8) * (uint32_t)g->fy;
-    return value - back + dx * (uint32_t)g->px + dy * (uint32_t)g->py;
+    int32_t dx = (int32_t)((((int64_t)e1 * g->dy2 + (int64_t)e2 * g->minus_dy1) >> 32));
+    int32_t dy = (int32_t)((((int64_t)e2 * g->dx1 + (int64_t)e1 * g->minus_dx2) >> 32));
+    dx = (int32_t)(((uint32_t)dx << g->shift) & step);
+    dy = (int32_t)(((uint32_t)dy << g->shift) & step);
+    uint32_t back = (uint32_t)(dx >> 8) * (uint32_t)g->fx + (uint32_t)(dy >> 8) * (uint32_t)g->fy;
+    p->value = value - back + (uint32_t)dx * (uint32_t)g->px + (uint32_t)dy * (uint32_t)g->py;
+    p->dx = (uint32_t)dx;
+    p->dy = (uint32_t)dy;
 }
 
 /*
@@ -180,16 +185,14 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
     g.fy = high(a->xy) & 255;
     g.px = -(low(a->xy) >> 8);
     g.py = row - (high(a->xy) >> 8);
-    /* Depth 24.8 in whole units, |d| <= SMALL_DEPTH; the byte below holds the slot and is not touched by the steps. */
-    int32_t d1 = (int32_t)(b->inv_w - a->inv_w) * 64, d2 = (int32_t)(c->inv_w - a->inv_w) * 64;
-    uint32_t ddx = (slope(&g, d1, d2, true) + 128) & ~(uint32_t)255,
-             ddy = (slope(&g, d1, d2, false) + 128) & ~(uint32_t)255;
-    uint32_t d = (plane_origin(&g, (a->inv_w + DEPTH_BIAS) << 8, ddx, ddy) & ~(uint32_t)255) | slot;
-    /* Normals Q14, plus half a unit, with 16 more bits. */
-    uint32_t udx = slope(&g, u1 * 16384, u2 * 16384, true), udy = slope(&g, u1 * 16384, u2 * 16384, false);
-    uint32_t u = plane_origin(&g, ((uint32_t)u0 << 16) + (1 << 15), udx, udy);
-    uint32_t vdx = slope(&g, v1 * 16384, v2 * 16384, true), vdy = slope(&g, v1 * 16384, v2 * 16384, false);
-    uint32_t v = plane_origin(&g, ((uint32_t)v0 << 16) + (1 << 15), vdx, vdy);
+    /* Depth 24.8 in whole units, |d| <= SMALL_DEPTH: the byte below holds the slot and is not touched by the steps. Normals Q14, plus
+     * half a unit, with 16 more bits. */
+    struct plane d, u, v;
+    make_plane(&d, &g, (a->inv_w + DEPTH_BIAS) << 8, (int32_t)(b->inv_w - a->inv_w) * 64,
+               (int32_t)(c->inv_w - a->inv_w) * 64, ~(uint32_t)255);
+    make_plane(&u, &g, ((uint32_t)u0 << 16) + (1 << 15), u1 * 16384, u2 * 16384, UINT32_MAX);
+    make_plane(&v, &g, ((uint32_t)v0 << 16) + (1 << 15), v1 * 16384, v2 * 16384, UINT32_MAX);
+    d.value = (d.value & ~(uint32_t)255) | slot;
 
     struct raster_surface *line = t->surface + row * RASTER_TILE_WIDTH;
     for (const int32_t *s = t->spans, *last = s + 2 * rows; s != last; s += 2) {
@@ -197,12 +200,13 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
         if (count) {
             uint32_t left = (uint32_t)s[0];
             stats->tested += (uint32_t)count;
-            fill_span(line + left, count, d + left * ddx, u + left * udx, v + left * vdx, ddx, udx, vdx);
+            fill_span(line + left, count, d.value + left * d.dx, u.value + left * u.dx, v.value + left * v.dx, d.dx,
+                      u.dx, v.dx);
         }
         line += RASTER_TILE_WIDTH;
-        d += ddy;
-        u += udy;
-        v += vdy;
+        d.value += d.dy;
+        u.value += u.dy;
+        v.value += v.dy;
     }
 }
 
