@@ -22,7 +22,7 @@ project_files() { # pattern...
     if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
         git ls-files -co --exclude-standard -- "$@" | while read -r p; do [ -e "$p" ] && echo "$p"; done
     else
-        for p in "$@"; do find . -path ./build -prune -o -name "$p" -type f -print | sed 's|^\./||'; done
+        for p in "$@"; do find . \( -path ./build -o -path ./.git \) -prune -o -name "$p" -type f -print | sed 's|^\./||'; done
     fi
 }
 
