@@ -123,7 +123,7 @@ FX_NOINLINE static void make_plane(struct plane *p, const struct gradient *g, ui
  * which is the high word of the sum << (lead-3) when e comes pre-scaled by 2^n and the result has n+2 fraction bits.
  * False for a triangle thinner than a pixel, an edge longer than area/256, that is |K| >= 2^(37-lead). Otherwise |gradient| <= 2 |e|,
  * and the high word's rounding, at most 2^(lead-3) a pixel over at most 2^(16-lead) px, adds up to below 2^14 of the
- * result's units: 64 of the depth's, one of a normal's.
+ * result's units: 64 of the depth's, one of a normal's. Rounding the depth's gradients to whole units adds as much.
  */
 static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area)
 {
