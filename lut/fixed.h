@@ -64,6 +64,13 @@ static inline uint32_t fx_add_sat(uint32_t a, uint32_t b)
     return s > INT32_MAX ? INT32_MAX : s;
 }
 
+/* Sum that saturates at 2^32-1. */
+static inline uint32_t fx_add_sat_u(uint32_t a, uint32_t b)
+{
+    uint32_t s = a + b;
+    return s < a ? UINT32_MAX : s;
+}
+
 /* The nearest number below 2^31. */
 static inline uint32_t fx_sat31(uint64_t x)
 {

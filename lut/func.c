@@ -72,8 +72,8 @@ uint32_t lut_turn(int32_t y, int32_t x)
         return 0;
     }
     unsigned z = fx_clz(large);
-    uint32_t d = fx_add_sat(large << z, 1u << 15) >> 16; /* 2^15..2^16-1 */
-    uint32_t q = fx_add_sat(small << z, d >> 1) / d;     /* small/large, 1.0 = 2^16 */
+    uint32_t d = fx_add_sat_u(large << z, 1u << 15) >> 16; /* 2^15..2^16-1 */
+    uint32_t q = fx_add_sat_u(small << z, d >> 1) / d;     /* small/large, 1.0 = 2^16 */
     if (q > 65535) {
         q = 65535;
     }
