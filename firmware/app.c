@@ -102,12 +102,12 @@ static uint32_t modelled_ticks(const struct raster_stats *s)
 
 static void stats_add(struct usb_tile_stats *sum, const struct usb_tile_stats *t)
 {
-    sum->triangles = fx_add_sat(sum->triangles, t->triangles);
-    sum->tested = fx_add_sat(sum->tested, t->tested);
-    sum->covered = fx_add_sat(sum->covered, t->covered);
-    sum->shaded = fx_add_sat(sum->shaded, t->shaded);
-    sum->fetches = fx_add_sat(sum->fetches, t->fetches);
-    sum->ticks = fx_add_sat(sum->ticks, t->ticks);
+    sum->triangles = fx_add_sat_u(sum->triangles, t->triangles);
+    sum->tested = fx_add_sat_u(sum->tested, t->tested);
+    sum->covered = fx_add_sat_u(sum->covered, t->covered);
+    sum->shaded = fx_add_sat_u(sum->shaded, t->shaded);
+    sum->fetches = fx_add_sat_u(sum->fetches, t->fetches);
+    sum->ticks = fx_add_sat_u(sum->ticks, t->ticks);
 }
 
 static void tile_render(struct app *app)
