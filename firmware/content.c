@@ -94,7 +94,7 @@ static struct table_store_result set_light(struct app_content *c, uint32_t index
 
 static struct table_store_result set_model(struct app_content *c, uint32_t model)
 {
-    if (model > SCENE_MATERIAL_LAFORTUNE_PHONG && model != MODEL_OF_SCENE)
+    if (model >= SCENE_MATERIAL_KIND_COUNT && model != MODEL_OF_SCENE)
         return refused(0);
     for (uint32_t m = 0; m < c->scene.header->materials.count; m++)
         c->materials[m].kind = model == MODEL_OF_SCENE ? c->scene.materials[m].kind : (uint8_t)model;

@@ -1,6 +1,7 @@
 #include "gtscene_blob.h"
 
 #include "common.h"
+#include "host_model.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -154,5 +155,5 @@ void blob_print(const struct scene *s)
     print_array("triangles", h->triangles, sizeof *s->triangles);
     for (uint32_t i = 0; i < h->materials.count; i++)
         printf("material   %2u %-15s slot %2u %s\n", i, s->materials[i].name, s->materials[i].slot,
-               s->materials[i].kind == SCENE_MATERIAL_MEASURED ? "measured" : "lafortune_phong");
+               model_name(s->materials[i].kind));
 }

@@ -2,6 +2,7 @@
 
 #include "common.h"
 #include "gtscene_json.h"
+#include "host_model.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -200,17 +201,15 @@ static void read_material(struct scene_material *out, const struct node *n)
     json_check_keys(n, KEYS("name", "model", "slot", "kd", "ks", "exponent"));
     struct node name = json_need(n, "name"), model = json_need(n, "model"), slot = json_get(n, "slot");
     const char *text = json_string(&name), *kind = json_string(&model);
-    *out = (struct scene_material){.kind = SCENE_MATERIAL_LAFORTUNE_PHONG};
+    *out = (struct scene_material){.kind = (uint8_t)model_find(kind)};
+    if (model_find(kind) == MODEL_OF_SCENE)
+        json_die(&model, "'%s' is no model; it is one of " MODEL_NAMES, kind);
     if (!*text || strlen(text) >= sizeof out->name)
         json_die(&name, "'%s' has %zu characters; give 1 to %zu", text, strlen(text), sizeof out->name - 1);
     for (const char *c = text; *c; c++)
         if (*c < ' ' || *c > '~')
             json_die(&name, "holds a character that is not printable ASCII; use letters, digits and _");
     memcpy(out->name, text, strlen(text));
-    if (!strcmp(kind, "measured"))
-        out->kind = SCENE_MATERIAL_MEASURED;
-    else if (strcmp(kind, "lafortune_phong"))
-        json_die(&model, "'%s' is no model; give measured or lafortune_phong", kind);
     if (out->kind == SCENE_MATERIAL_MEASURED)
         slot = json_need(n, "slot");
     out->slot = slot.json ? (uint8_t)json_whole(&slot, 0, 15) : 0;

@@ -8,6 +8,7 @@
 
 #include "host_canvas.h"
 #include "host_image.h"
+#include "host_model.h"
 #include "sim_device.h"
 
 struct render {
@@ -40,11 +41,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         parse_table(r, arg);
         return 0;
     case 'm':
-        r->model = !strcmp(arg, "measured") ? SCENE_MATERIAL_MEASURED : SCENE_MATERIAL_LAFORTUNE_PHONG;
-        if (!strcmp(arg, "scene"))
-            r->model = UINT32_MAX;
-        else if (strcmp(arg, "measured") && strcmp(arg, "lafortune_phong"))
-            die(EXIT_USAGE, "--model: no model '%s'; it is one of measured, lafortune_phong, scene", arg);
+        r->model = model_find(arg);
+        if (r->model == MODEL_OF_SCENE && strcmp(arg, "scene"))
+            die(EXIT_USAGE, "--model: no model '%s'; it is one of " MODEL_NAMES ", scene", arg);
         return 0;
     case 'S':
         r->stats = true;
@@ -128,14 +127,14 @@ int command_render(int argc, char **argv)
     static const struct argp_option options[] = {
         {"output", 'o', "FILE", 0, "the picture (PNG)", 0},
         {"table", 't', "SLOT=FILE", 0, "a table into a table slot, 0 to 15; repeat for more", 0},
-        {"model", 'm', "MODEL", 0, "measured, lafortune_phong or scene (scene)", 0},
+        {"model", 'm', "MODEL", 0, MODEL_NAMES " or scene (scene)", 0},
         {"stats", 'S', NULL, 0, "print what the frame cost", 0},
         {0}};
     static const struct argp_child children[] = {{&board_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {
         options,  parse_option, "SCENE", "Renders a scene (from gtscene) into a picture, on the simulated device.",
         children, NULL,         NULL};
-    struct render r = {.board = board_default(), .model = UINT32_MAX};
+    struct render r = {.board = board_default(), .model = MODEL_OF_SCENE};
     r.board.arena_bytes = 4u << 20; /* more than a device has: any scene can be looked at */
     uint8_t descriptors[64];
     struct canvas canvas;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "host_model.h"
 #include "raster.h"
 
 #define MAX_COORDINATE 32767.0 /* of q16_16_t */
@@ -259,20 +260,16 @@ static void set_model(int argc, char **argv)
 {
     static const struct argp argp = {NULL,
                                      parse_words,
-                                     "measured|lafortune_phong|scene",
+                                     "measured|lafortune_phong|blinn_phong|scene",
                                      "Shades every material by one model, or each as the scene says, until reset.",
                                      device_options,
                                      NULL,
                                      NULL};
     const char *words[2] = {NULL, NULL};
-    uint32_t model = UINT32_MAX;
     options_parse(&argp, argc, argv, words);
-    if (words[0] && !words[1] && !strcmp(words[0], "measured"))
-        model = SCENE_MATERIAL_MEASURED;
-    else if (words[0] && !words[1] && !strcmp(words[0], "lafortune_phong"))
-        model = SCENE_MATERIAL_LAFORTUNE_PHONG;
-    else if (!words[0] || words[1] || strcmp(words[0], "scene"))
-        die(EXIT_USAGE, "no model '%s'; it is one of measured, lafortune_phong, scene", words[0] ? words[0] : "");
+    uint32_t model = words[0] && !words[1] ? model_find(words[0]) : MODEL_OF_SCENE;
+    if (model == MODEL_OF_SCENE && (!words[0] || words[1] || strcmp(words[0], "scene")))
+        die(EXIT_USAGE, "no model '%s'; it is one of " MODEL_NAMES ", scene", words[0] ? words[0] : "");
     set_send(USB_SET_MODEL, &model, sizeof model, "model");
 }
 

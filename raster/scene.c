@@ -96,7 +96,7 @@ enum scene_status scene_check_light(const struct scene_light *l)
 
 static bool material_is_valid(const struct scene_material *m)
 {
-    if (m->kind > SCENE_MATERIAL_LAFORTUNE_PHONG || m->slot > MAX_SLOT || m->reserved[0] || m->reserved[1] ||
+    if (m->kind >= SCENE_MATERIAL_KIND_COUNT || m->slot > MAX_SLOT || m->reserved[0] || m->reserved[1] ||
         m->exponent > MAX_EXPONENT)
         return false;
     for (int i = 0; i < 3; i++)

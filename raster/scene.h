@@ -60,13 +60,18 @@ struct scene_light {
     uq16_16_t irradiance[3]; /* on a surface facing the light, linear sRGB; pi on white diffuse is display white */
 };
 
-enum scene_material_kind { SCENE_MATERIAL_MEASURED = 0, SCENE_MATERIAL_LAFORTUNE_PHONG = 1 };
+enum scene_material_kind {
+    SCENE_MATERIAL_MEASURED = 0,
+    SCENE_MATERIAL_LAFORTUNE_PHONG = 1, /* f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n */
+    SCENE_MATERIAL_BLINN_PHONG = 2,     /* see raster/blinn_phong.c */
+    SCENE_MATERIAL_KIND_COUNT
+};
 
 struct scene_material {
     uint8_t kind;        /* enum scene_material_kind */
     uint8_t slot;        /* table slot, for measured */
     uint8_t reserved[2]; /* 0 */
-    uq16_16_t kd[3];     /* Lafortune-Phong: f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n, 0..1 */
+    uq16_16_t kd[3];     /* of the two analytic models: 0..1 */
     uq16_16_t ks[3];     /* 0..1 */
     uq16_16_t exponent;  /* n, 0..4096 */
     char name[16];       /* ASCII, NUL-padded */

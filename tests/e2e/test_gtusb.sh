@@ -44,7 +44,7 @@ usage select_slot_out_of_range "gtusb: select: SLOT: '16' is not .* 0 to 15" sel
 usage select_material_out_of_range "gtusb: select: MATERIAL: '-1' is not .*" select -- -1 0
 usage set_without_setting "gtusb: set: no setting ''; .*" set
 usage set_unknown_setting "gtusb: set: no setting 'weather'; .*" set weather
-usage model_unknown "gtusb: set: no model 'phong'; it is one of measured, lafortune_phong, scene" set model phong
+usage model_unknown "gtusb: set: no model 'phong'; it is one of measured, lafortune_phong, blinn_phong, scene" set model phong
 usage model_missing "gtusb: set: no model ''; .*" set model
 usage camera_incomplete 'gtusb: set: --eye, --target, --fov and --near are all needed; .*' set camera --eye 0,0,1
 usage camera_not_three_numbers "gtusb: set: --eye: '1,2' is not three numbers; write x,y,z" set camera --eye 1,2

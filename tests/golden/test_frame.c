@@ -28,7 +28,7 @@ static struct ref_scene *reference;
 static struct lut_table tables[MATERIALS];
 static const struct lut_table *slots[RASTER_MAX_SLOTS];
 static const struct ref_table *ref_slots[RASTER_MAX_SLOTS];
-static struct scene_material lafortune[SCENE_MAX_MATERIALS];
+static struct scene_material lafortune[SCENE_MAX_MATERIALS], blinn[SCENE_MAX_MATERIALS];
 
 static int load(void **state)
 {
@@ -55,6 +55,9 @@ static int load(void **state)
     memcpy(lafortune, scene.materials, scene.header->materials.count * sizeof *lafortune);
     for (uint32_t i = 0; i < scene.header->materials.count; i++)
         lafortune[i].kind = SCENE_MATERIAL_LAFORTUNE_PHONG;
+    memcpy(blinn, lafortune, sizeof blinn);
+    for (uint32_t i = 0; i < scene.header->materials.count; i++)
+        blinn[i].kind = SCENE_MATERIAL_BLINN_PHONG;
     return 0;
 }
 
@@ -65,7 +68,9 @@ static struct raster_frame make_frame(int width, int height, enum ref_model mode
                                  .camera = &scene.header->camera,
                                  .output = output,
                                  .lights = scene.lights,
-                                 .materials = model == REF_MODEL_LAFORTUNE_PHONG ? lafortune : scene.materials,
+                                 .materials = model == REF_MODEL_LAFORTUNE_PHONG ? lafortune
+                                              : model == REF_MODEL_BLINN_PHONG   ? blinn
+                                                                                 : scene.materials,
                                  .tables = slots,
                                  .width = (uint16_t)width,
                                  .height = (uint16_t)height,
@@ -248,6 +253,25 @@ static void lafortune_frame_equals_the_reference(void **state)
     check_frame("lafortune_odd", 97, 61, REF_MODEL_LAFORTUNE_PHONG, SCENE_TONE_ACES);
 }
 
+/* As the scene's exponents are, and with the one that the benchmark has. */
+static void blinn_phong_frame_equals_the_reference(void **state)
+{
+    (void)state;
+    check_frame("blinn_phong", 320, 240, REF_MODEL_BLINN_PHONG, scene.header->output.tone_curve);
+    check_frame("blinn_phong_none", 320, 240, REF_MODEL_BLINN_PHONG, SCENE_TONE_NONE);
+    check_frame("blinn_phong_odd", 97, 61, REF_MODEL_BLINN_PHONG, SCENE_TONE_ACES);
+    for (uint32_t i = 0; i < scene.header->materials.count; i++) {
+        blinn[i].exponent = 32 << 16;
+        reference->materials[i].exponent = 32;
+    }
+    check_frame("blinn_phong_32", 320, 240, REF_MODEL_BLINN_PHONG, SCENE_TONE_NONE);
+    check_frame("blinn_phong_32_odd", 97, 61, REF_MODEL_BLINN_PHONG, SCENE_TONE_ACES);
+    for (uint32_t i = 0; i < scene.header->materials.count; i++) {
+        blinn[i].exponent = scene.materials[i].exponent;
+        reference->materials[i].exponent = scene.materials[i].exponent / 65536.0;
+    }
+}
+
 /* What changes with the background is background. */
 static void check_coverage(int width, int height)
 {
@@ -325,8 +349,11 @@ static void comparison_sees_small_errors(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(measured_frame_equals_the_reference), cmocka_unit_test(lafortune_frame_equals_the_reference),
-        cmocka_unit_test(coverage_is_exact_pixel_by_pixel),    cmocka_unit_test(rgb565_is_rgb888_rounded),
+        cmocka_unit_test(measured_frame_equals_the_reference),
+        cmocka_unit_test(lafortune_frame_equals_the_reference),
+        cmocka_unit_test(blinn_phong_frame_equals_the_reference),
+        cmocka_unit_test(coverage_is_exact_pixel_by_pixel),
+        cmocka_unit_test(rgb565_is_rgb888_rounded),
         cmocka_unit_test(comparison_sees_small_errors),
     };
     common_set_name("test_frame", NULL);

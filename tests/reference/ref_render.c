@@ -147,10 +147,39 @@ static void lafortune_phong(double rgb[3], const struct ref_material *m, const d
         rgb[i] = (m->kd[i] / M_PI + m->ks[i] * lobe) * nl;
 }
 
+void ref_blinn_phong(double rgb[3], const struct ref_material *m, const double n[3], const double l[3],
+                     const double v[3])
+{
+    double h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]}, length = sqrt(dot(h, h)), nl = dot(n, l);
+    double nh = length > 0 ? dot(n, h) / length : 0, lobe = nh > 0 ? pow(nh, m->exponent) : 0;
+    for (int i = 0; i < 3; i++)
+        rgb[i] = m->kd[i] * (nl > 0 ? nl : 0) + m->ks[i] * lobe;
+}
+
+static void shade_blinn_phong(double radiance[3], const struct ref_scene *s, const struct ref_material *m,
+                              const double n[3], const double v[3])
+{
+    for (int j = 0; j < 3; j++)
+        radiance[j] = 0.02 * m->kd[j] * s->exposure;
+    for (unsigned i = 0; i < s->light_count; i++) {
+        double l[3], c[3];
+        to_eye(l, &s->camera, s->lights[i].direction);
+        ref_blinn_phong(c, m, n, l, v);
+        for (int j = 0; j < 3; j++)
+            radiance[j] += c[j] * s->lights[i].irradiance[j] * s->exposure / M_PI;
+    }
+    for (int j = 0; j < 3; j++)
+        radiance[j] = radiance[j] < 1 ? radiance[j] : 1;
+}
+
 static void shade(double radiance[3], const struct ref_view *view, const struct ref_material *m, const double n[3],
                   const double v[3])
 {
     const struct ref_scene *s = view->scene;
+    if (view->model == REF_MODEL_AS_SCENE ? m->blinn_phong : view->model == REF_MODEL_BLINN_PHONG) {
+        shade_blinn_phong(radiance, s, m, n, v);
+        return;
+    }
     int measured = view->model == REF_MODEL_AS_SCENE ? m->measured : view->model == REF_MODEL_MEASURED;
     for (unsigned i = 0; i < s->light_count; i++) {
         double l[3], f[3];

@@ -91,6 +91,7 @@ static void read_light(struct ref_light *out, const uint8_t *p)
 static void read_material(struct ref_material *out, const uint8_t *p)
 {
     out->measured = p[0] == 0;
+    out->blinn_phong = p[0] == 2;
     out->slot = p[1];
     for (int k = 0; k < 3; k++) {
         out->kd[k] = get_ufixed(p + 4 + 4 * k, 16);

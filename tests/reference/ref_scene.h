@@ -20,7 +20,8 @@ struct ref_light {
 };
 
 struct ref_material {
-    int measured; /* 1: table `slot`; 0: Lafortune-Phong */
+    int measured;    /* 1: table `slot`; 0: a model of kd, ks and exponent */
+    int blinn_phong; /* 1: that of Blinn; 0: of Lafortune */
     unsigned slot;
     double kd[3], ks[3], exponent;
     char name[17];

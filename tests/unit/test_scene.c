@@ -171,7 +171,7 @@ static const struct damage damages[] = {
     {"light direction short", IN(LIGHTS, scene_light, direction[2]), 1 << 29, SCENE_ERR_LIGHT},
     {"light direction long", IN(LIGHTS, scene_light, direction[2]), 0x80000000, SCENE_ERR_LIGHT},
     {"light irradiance", IN(LIGHTS, scene_light, irradiance[1]), (1 << 24) + 1, SCENE_ERR_LIGHT},
-    {"material kind", IN(MATERIALS, scene_material, kind), 2, SCENE_ERR_MATERIAL},
+    {"material kind", IN(MATERIALS, scene_material, kind), 3, SCENE_ERR_MATERIAL},
     {"material slot", IN(MATERIALS, scene_material, slot), 16, SCENE_ERR_MATERIAL},
     {"material reserved", IN(MATERIALS, scene_material, reserved[0]), 1, SCENE_ERR_MATERIAL},
     {"material kd", IN(MATERIALS, scene_material, kd[2]), 65537, SCENE_ERR_MATERIAL},
