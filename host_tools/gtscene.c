@@ -4,20 +4,26 @@
 #include "gtscene_blob.h"
 
 #include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char usage[] = "usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER]\n"
-                            "       gtscene info SCENE.blob\n"
-                            "       gtscene --help | --version\n";
+static const char usage[] =
+    "usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER] [--lod-error PIXELS] [--no-lod]\n"
+    "       gtscene info SCENE.blob\n"
+    "       gtscene --help | --version\n";
 
 static void print_build_help(void)
 {
-    printf("usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER]\n"
+    printf("usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER] [--lod-error PIXELS] [--no-lod]\n"
            "Builds the scene blob: meshes become small meshlets with quantised positions and normals.\n"
            "  -o, --output FILE   the blob; - is standard output\n"
            "      --data FOLDER   where mesh files are that do not lie relative to the scene file\n"
+           "      --lod-error PIXELS  draw the coarsest level of detail whose error on the screen is at most this, 0 "
+           "to 64\n"
+           "                      (the scene file's, else 0.5); 0 draws the finest\n"
+           "      --no-lod        store the finest level only\n"
            "      --help          this text\n"
            "Mesh files: .obj .ply .gltf .glb. Built-in shapes and their parameters (default; range):\n");
     for (const struct shape *s = shapes; s->name; s++) {
@@ -33,9 +39,13 @@ static int run_build(int argc, char **argv)
 {
     static const struct option options[] = {{"output", required_argument, NULL, 'o'},
                                             {"data", required_argument, NULL, 'd'},
+                                            {"lod-error", required_argument, NULL, 'e'},
+                                            {"no-lod", no_argument, NULL, 'n'},
                                             {"help", no_argument, NULL, 'h'},
                                             {NULL, 0, NULL, 0}};
     const char *output = NULL, *data = NULL;
+    double lod_error = -1; /* as the scene file says */
+    bool with_levels = true;
     for (int c; (c = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
         if (c == 'h') {
             print_build_help();
@@ -45,6 +55,10 @@ static int run_build(int argc, char **argv)
             output = optarg;
         else if (c == 'd')
             data = optarg;
+        else if (c == 'e')
+            lod_error = parse_double("--lod-error", optarg, 0, 64);
+        else if (c == 'n')
+            with_levels = false;
         else
             return EXIT_USAGE;
     }
@@ -55,7 +69,9 @@ static int run_build(int argc, char **argv)
     struct scene_desc desc;
     size_t bytes;
     desc_load(&desc, argv[optind], data);
-    void *blob = blob_build(&bytes, &desc);
+    if (lod_error >= 0)
+        desc.lod_error = (uq16_16_t)lrint(lod_error * 65536);
+    void *blob = blob_build(&bytes, &desc, with_levels);
     write_file(output, blob, bytes);
     free(blob);
     return EXIT_OK;

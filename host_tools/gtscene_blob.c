@@ -63,31 +63,34 @@ static void place_object(struct scene_object *out, const struct object_desc *o, 
     out->scale_shift = 1 - exponent;
 }
 
-static void build_mesh(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh_desc *desc)
+static void build_mesh(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh_desc *desc,
+                       bool with_levels)
 {
     struct mesh m;
     if (desc->shape)
         desc->shape->build(&m, desc->parameters);
     else
         mesh_load(&m, desc->path);
-    mesh_pack(out, pool, &m, desc->shape ? desc->name : desc->path);
+    mesh_pack(out, pool, &m, with_levels, desc->shape ? desc->name : desc->path);
 }
 
-void *blob_build(size_t *bytes, const struct scene_desc *desc)
+void *blob_build(size_t *bytes, const struct scene_desc *desc, bool with_levels)
 {
     struct meshlet_pool pool = {.meshlet_count = 0};
     struct packed_mesh *packed = xcalloc(desc->mesh_count, sizeof *packed);
     struct scene_mesh *meshes = xcalloc(desc->mesh_count, sizeof *meshes);
-    struct scene_lod *lods = xcalloc(desc->mesh_count, sizeof *lods);
+    struct scene_lod *lods = xcalloc(desc->mesh_count, sizeof packed->levels);
+    uint32_t lod_count = 0;
     struct scene_object *objects = xcalloc(desc->object_count, sizeof *objects);
     for (unsigned i = 0; i < desc->mesh_count; i++) {
-        build_mesh(&packed[i], &pool, &desc->meshes[i]);
+        build_mesh(&packed[i], &pool, &desc->meshes[i], with_levels);
         check_size(pool.meshlet_count * sizeof *pool.meshlets + pool.vertex_count * sizeof *pool.vertices +
                    pool.triangle_count * sizeof *pool.triangles);
-        meshes[i] = (struct scene_mesh){.lod_first = i, .lod_count = 1};
+        meshes[i] = (struct scene_mesh){.lod_first = lod_count, .lod_count = packed[i].level_count};
         memcpy(meshes[i].lo, packed[i].lo, sizeof meshes[i].lo);
         memcpy(meshes[i].hi, packed[i].hi, sizeof meshes[i].hi);
-        lods[i] = (struct scene_lod){packed[i].meshlet_first, packed[i].meshlet_count, 0};
+        memcpy(&lods[lod_count], packed[i].levels, packed[i].level_count * sizeof *lods);
+        lod_count += packed[i].level_count;
     }
     for (unsigned i = 0; i < desc->object_count; i++)
         place_object(&objects[i], &desc->objects[i], &packed[desc->objects[i].mesh], i);
@@ -96,14 +99,15 @@ void *blob_build(size_t *bytes, const struct scene_desc *desc)
                                   .version = SCENE_VERSION,
                                   .header_bytes = sizeof header,
                                   .camera = desc->camera,
-                                  .output = desc->output};
+                                  .output = desc->output,
+                                  .lod_error = desc->lod_error};
     struct buffer b = {.used = 0};
     append(&b, &header, 1, sizeof header);
     header.lights = append(&b, desc->lights, desc->light_count, sizeof *desc->lights);
     header.materials = append(&b, desc->materials, desc->material_count, sizeof *desc->materials);
     header.objects = append(&b, objects, desc->object_count, sizeof *objects);
     header.meshes = append(&b, meshes, desc->mesh_count, sizeof *meshes);
-    header.lods = append(&b, lods, desc->mesh_count, sizeof *lods);
+    header.lods = append(&b, lods, lod_count, sizeof *lods);
     header.meshlets = append(&b, pool.meshlets, pool.meshlet_count, sizeof *pool.meshlets);
     header.vertices = append(&b, pool.vertices, pool.vertex_count, sizeof *pool.vertices);
     header.triangles = append(&b, pool.triangles, pool.triangle_count, sizeof *pool.triangles);
@@ -130,20 +134,26 @@ static void print_array(const char *name, struct scene_array a, size_t size)
     printf("%-10s %8u x %3zu bytes = %8zu\n", name, a.count, size, a.count * size);
 }
 
+static uint32_t triangle_count(const struct scene *s, const struct scene_lod *lod)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < lod->meshlet_count; i++)
+        count += s->meshlets[lod->meshlet_first + i].triangle_count;
+    return count;
+}
+
 void blob_print(const struct scene *s)
 {
     const struct scene_header *h = s->header;
     uint32_t finest = 0, cones = 0;
-    for (uint32_t i = 0; i < h->objects.count; i++) {
-        const struct scene_lod *lod = &s->lods[s->meshes[s->objects[i].mesh].lod_first];
-        for (uint32_t j = 0; j < lod->meshlet_count; j++)
-            finest += s->meshlets[lod->meshlet_first + j].triangle_count;
-    }
+    for (uint32_t i = 0; i < h->objects.count; i++)
+        finest += triangle_count(s, &s->lods[s->meshes[s->objects[i].mesh].lod_first]);
     for (uint32_t i = 0; i < h->meshlets.count; i++)
         cones += s->meshlets[i].cone_cutoff < 16384;
     printf("version    %8u\n", h->version);
     printf("bytes      %8u\n", h->total_bytes);
     printf("drawn      %8u triangles of all objects, finest levels\n", finest);
+    printf("lod error  %8.3f pixels, the coarsest level within it is drawn\n", h->lod_error / 65536.0);
     printf("cones      %8u meshlets that can be culled by their normals\n", cones);
     print_array("lights", h->lights, sizeof *s->lights);
     print_array("materials", h->materials, sizeof *s->materials);
@@ -153,6 +163,12 @@ void blob_print(const struct scene *s)
     print_array("meshlets", h->meshlets, sizeof *s->meshlets);
     print_array("vertices", h->vertices, sizeof *s->vertices);
     print_array("triangles", h->triangles, sizeof *s->triangles);
+    for (uint32_t i = 0; i < h->meshes.count; i++) {
+        printf("mesh %4u  triangles (error in vertex units):", i);
+        for (uint32_t j = s->meshes[i].lod_first; j < s->meshes[i].lod_first + s->meshes[i].lod_count; j++)
+            printf(" %u (%u)", triangle_count(s, &s->lods[j]), s->lods[j].error);
+        printf("\n");
+    }
     for (uint32_t i = 0; i < h->materials.count; i++)
         printf("material   %2u %-15s slot %2u %s\n", i, s->materials[i].name, s->materials[i].slot,
                model_name(s->materials[i].kind));

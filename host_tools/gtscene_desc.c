@@ -150,14 +150,16 @@ static void read_background(uint8_t out[3], const struct node *n)
         out[k] = (uint8_t)lrint(rgb[k]);
 }
 
-static void read_output(struct scene_output *out, const struct node *n)
+static void read_output(struct scene_output *out, uq16_16_t *lod_error, const struct node *n)
 {
+    *lod_error = 1u << 15;
     *out = (struct scene_output){.exposure = 1u << 16, .tone_curve = SCENE_TONE_NONE};
     if (!n->json)
         return;
-    json_check_keys(n, KEYS("exposure", "tone_curve", "background"));
+    json_check_keys(n, KEYS("exposure", "tone_curve", "background", "lod_error"));
     struct node curve = json_get(n, "tone_curve"), background = json_get(n, "background");
     out->exposure = to_q16(number_or(n, "exposure", 1, 0, MAX_BRIGHT));
+    *lod_error = to_q16(number_or(n, "lod_error", 0.5, 0, SCENE_MAX_LOD_ERROR >> 16));
     if (curve.json) {
         const char *s = json_string(&curve);
         if (!strcmp(s, "aces"))
@@ -305,7 +307,7 @@ void desc_load(struct scene_desc *out, const char *path, const char *data_folder
     out->meshes = xcalloc(out->mesh_count, sizeof *out->meshes);
     out->objects = xcalloc(out->object_count, sizeof *out->objects);
     read_camera(&out->camera, &camera);
-    read_output(&out->output, &output);
+    read_output(&out->output, &out->lod_error, &output);
     for (unsigned i = 0; i < out->light_count; i++) {
         struct node n = json_element(&lights, (int)i);
         read_light(&out->lights[i], &n);

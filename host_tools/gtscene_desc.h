@@ -20,6 +20,7 @@ struct object_desc {
 struct scene_desc {
     struct scene_camera camera;
     struct scene_output output;
+    uq16_16_t lod_error;
     struct scene_light lights[SCENE_MAX_LIGHTS];
     struct scene_material materials[SCENE_MAX_MATERIALS];
     struct object_desc *objects;

@@ -288,14 +288,17 @@ static void emit(struct packed_mesh *out, struct meshlet_pool *pool, const struc
     grow_box(out->lo, out->hi, meshlet->hi);
 }
 
-static void build_meshlets(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m)
+/* Appends one level: the meshlets of some triangles of m. */
+static void add_level(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m, const unsigned *indices,
+                      size_t index_count, double error)
 {
-    size_t bound = meshopt_buildMeshletsBound(m->index_count, MAX_VERTICES, MAX_TRIANGLES);
+    size_t bound = meshopt_buildMeshletsBound(index_count, MAX_VERTICES, MAX_TRIANGLES);
     struct meshopt_Meshlet *meshlets = xmalloc(bound * sizeof *meshlets);
     unsigned *vertices = xmalloc(bound * MAX_VERTICES * sizeof *vertices);
     unsigned char *triangles = xmalloc(bound * MAX_TRIANGLES * 3);
+    uint32_t first = pool->meshlet_count;
     size_t count =
-        meshopt_buildMeshlets(meshlets, vertices, triangles, m->indices, m->index_count, m->vertices[0].position,
+        meshopt_buildMeshlets(meshlets, vertices, triangles, indices, index_count, m->vertices[0].position,
                               m->vertex_count, sizeof *m->vertices, MAX_VERTICES, MAX_TRIANGLES, CONE_WEIGHT);
     for (size_t i = 0; i < count; i++) {
         struct cluster c = {.count = meshlets[i].triangle_count};
@@ -304,21 +307,26 @@ static void build_meshlets(struct packed_mesh *out, struct meshlet_pool *pool, c
                 vertices[meshlets[i].vertex_offset + triangles[meshlets[i].triangle_offset + j]];
         emit(out, pool, m, &c);
     }
+    out->levels[out->level_count++] = (struct scene_lod){first, pool->meshlet_count - first, (uint32_t)ceil(error)};
     free(meshlets);
     free(vertices);
     free(triangles);
 }
 
-void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, const char *name)
+void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, bool with_levels, const char *name)
 {
-    *out = (struct packed_mesh){
-        .lo = {32767, 32767, 32767}, .hi = {-32767, -32767, -32767}, .meshlet_first = pool->meshlet_count};
+    struct simplified coarser[SIMPLIFY_MAX_LEVELS];
+    *out = (struct packed_mesh){.lo = {32767, 32767, 32767}, .hi = {-32767, -32767, -32767}};
     quantise(out, m, name);
     weld(m);
     drop_degenerate(m);
     if (!m->index_count)
         die(EXIT_BAD_INPUT, "%s: no triangle has an area; is it the right mesh?", name);
-    build_meshlets(out, pool, m);
-    out->meshlet_count = pool->meshlet_count - out->meshlet_first;
+    add_level(out, pool, m, m->indices, m->index_count, 0);
+    unsigned count = with_levels ? mesh_simplify(coarser, m) : 0;
+    for (unsigned i = 0; i < count; i++) {
+        add_level(out, pool, m, coarser[i].indices, coarser[i].index_count, coarser[i].error);
+        free(coarser[i].indices);
+    }
     mesh_free(m);
 }

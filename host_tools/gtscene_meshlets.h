@@ -3,6 +3,7 @@
 #define GTSCENE_MESHLETS_H
 
 #include "gtscene_mesh.h"
+#include "gtscene_simplify.h"
 #include "scene.h"
 
 /* The meshlets of all meshes, in the blob's arrays; zero-initialised by the owner, who frees the arrays. */
@@ -17,12 +18,13 @@ struct meshlet_pool {
 struct packed_mesh {
     double center[3], scale;
     int16_t lo[3], hi[3];
-    uint32_t meshlet_first, meshlet_count;
+    struct scene_lod levels[1 + SIMPLIFY_MAX_LEVELS]; /* the finest first */
+    unsigned level_count;
 };
 
-/* Quantises, welds, drops triangles without area and appends meshlets to the pool. Consumes *m. `name` is for
- * messages; dies with EXIT_BAD_INPUT when nothing remains. Positions move by at most scale/2 per axis; the largest
- * |coordinate| is 32767. */
-void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, const char *name);
+/* Quantises, welds, drops triangles without area and appends meshlets to the pool, with_levels: of coarser levels too.
+ * Consumes *m. `name` is for messages; dies with EXIT_BAD_INPUT when nothing remains. Positions move by at most scale/2
+ * per axis; the largest |coordinate| is 32767. */
+void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, bool with_levels, const char *name);
 
 #endif

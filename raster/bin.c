@@ -1,18 +1,32 @@
 /*
- * The frame's first half: set up objects, cull meshlets, bin what survives to tiles.
+ * The frame's first half: set up and cull objects, choose their levels of detail, cull meshlets, bin what survives to tiles.
  *
- * The arena holds, in this order: objects, list heads, visible meshlets (growing up); list nodes grow down from its end. A
- * meshlet is bound by its box's eight projected corners, not by a sphere: half as many entries.
+ * The arena holds, in this order: list heads, objects in view, visible meshlets (growing up); list nodes grow down from its
+ * end. Ids are 16 bits and name what is in the arena, not what is in the world. A meshlet is bound by its box's eight projected
+ * corners, not by a sphere: half as many entries.
  */
 #include "internal.h"
+
+/* m * 2^e, m >= 2^31. */
+struct magnitude {
+    uint32_t m;
+    int32_t e;
+};
+
+#define LEAST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
+#define MAX_BIAS        30         /* 2^30 / 2^8 vertex units: beyond every level's error */
 
 /* Where binning puts its results, or only counts them. */
 struct binner {
     struct raster *r;
+    struct magnitude pixels; /* threshold / (focal * H/2) */
+    bool objects_stored;     /* in the arena; else they are set up again whenever they are needed */
     bool store;
-    size_t fixed_bytes; /* objects and heads */
+    bool coarsest; /* every object in view was drawn at its last level */
+    uint32_t bias;
+    size_t fixed_bytes; /* heads and objects */
     size_t arena_bytes;
-    uint32_t visible_count; /* counted on even when storing stops */
+    uint32_t visible_count; /* counted on even when storing stops, up to the limits */
     uint32_t node_count;    /* node 0 is the list end and not used */
     struct raster_node *node_end;
 };
@@ -20,6 +34,7 @@ struct binner {
 /* Tiles a meshlet touches, inclusive, and its class. */
 struct coverage {
     int32_t x0, y0, x1, y1;
+    int32_t nearest; /* smallest W of its corners */
     uint16_t flags;
 };
 
@@ -28,9 +43,9 @@ const char *raster_status_text(enum raster_status s)
     static const char *const text[RASTER_STATUS_COUNT] = {
         "no error",
         "the picture's width or height is zero or above 4096",
-        "the arena is too small for this frame",
+        "the arena is too small for this frame, even at the coarsest levels of detail",
         "a measured material's slot holds no table",
-        "more than 65535 visible meshlets or bin entries",
+        "more than 65535 visible meshlets or bin entries, even at the coarsest levels of detail",
     };
     return (unsigned)s < RASTER_STATUS_COUNT ? text[s] : "unknown raster status";
 }
@@ -61,43 +76,61 @@ static bool cone_culled(const struct raster_object *o, const struct scene_meshle
     return (uint64_t)((int64_t)d * d) << 28 >= (uint64_t)length2 * (uint32_t)(m->cone_cutoff * m->cone_cutoff);
 }
 
+/* The eight corners of a box: one is transformed, the others follow by the rows' steps. Every sum is a vertex': < 2^31. */
+static void box_corners(struct raster_clip_vertex c[8], const struct raster_object *o, const int16_t lo[3],
+                        const int16_t hi[3])
+{
+    struct scene_vertex first = {lo[0], lo[1], lo[2], 0, 0};
+    raster_transform(&c[0], o, &first);
+    for (unsigned k = 0; k < 3; k++) {
+        int32_t side = hi[k] - lo[k]; /* < 2^16, rows < 2^15 */
+        int32_t x = o->row[0][k] * side, y = o->row[1][k] * side, w = o->row[2][k] * side;
+        for (unsigned i = 0; i < 1u << k; i++) {
+            struct raster_clip_vertex *to = &c[i | 1u << k];
+            *to = c[i];
+            to->x += x;
+            to->y += y;
+            to->w += w;
+        }
+    }
+}
+
 /* Projects the box; false when it is outside the view. */
 static bool box_coverage(struct coverage *out, const struct raster *r, const struct raster_object *o,
-                         const struct scene_meshlet *m)
+                         const int16_t lo[3], const int16_t hi[3])
 {
     const int32_t width = r->frame.width, height = r->frame.height;
     int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
     int32_t w0 = INT32_MAX, w1 = 0;
     uint32_t inv_w0 = UINT32_MAX, inv_w1 = 0;
     unsigned common = CLIP_NEAR | CLIP_LEFT | CLIP_RIGHT | CLIP_TOP | CLIP_BOTTOM, any = 0;
+    struct raster_clip_vertex c[8];
+    box_corners(c, o, lo, hi);
     for (unsigned i = 0; i < 8; i++) {
-        struct scene_vertex corner = {i & 1 ? m->hi[0] : m->lo[0], i & 2 ? m->hi[1] : m->lo[1],
-                                      i & 4 ? m->hi[2] : m->lo[2], 0, 0};
-        struct raster_clip_vertex c;
         struct raster_vertex p;
-        raster_transform(&c, o, &corner);
-        unsigned code = raster_clip_code(o, &c);
+        unsigned code = raster_clip_code(o, &c[i]);
         common &= code;
         any |= code;
+        w0 = fx_min(w0, c[i].w);
         if (any)
             continue;
-        raster_project(&p, o, &c, width * 256 + 1, height * 256 + 1);
+        raster_project(&p, o, &c[i], width * 256 + 1, height * 256 + 1);
         x0 = fx_min(x0, p.x);
         x1 = fx_max(x1, p.x);
         y0 = fx_min(y0, p.y);
         y1 = fx_max(y1, p.y);
-        w0 = fx_min(w0, c.w);
-        w1 = fx_max(w1, c.w);
+        w1 = fx_max(w1, c[i].w);
         inv_w0 = p.inv_w < inv_w0 ? p.inv_w : inv_w0;
         inv_w1 = p.inv_w > inv_w1 ? p.inv_w : inv_w1;
     }
     if (common)
         return false;
     if (any) { /* reaches behind the near plane or out of the guard band: the whole picture may be touched */
-        *out = (struct coverage){0, 0, r->tiles_x - 1, r->tiles_y - 1, VISIBLE_SHIFT(INV_W_BITS - NORMAL_BITS)};
+        *out = (struct coverage){0, 0, r->tiles_x - 1, r->tiles_y - 1, w0, VISIBLE_SHIFT(INV_W_BITS - NORMAL_BITS)};
         return true;
     }
     uint32_t bits = 32 - fx_clz(inv_w1 | 1);
+    out->nearest = w0;
     out->flags = VISIBLE_SHIFT(bits > NORMAL_BITS ? bits - NORMAL_BITS : 0);
     /* A vertex inside the box may round 1/256 px beyond the corners'. First pixel centre >= x0-1, last < x1+1. */
     int32_t px0 = (x0 - 1 + 127) >> 8, px1 = (x1 + 1 - 128) >> 8, py0 = (y0 - 1 + 127) >> 8, py1 = (y1 + 1 - 128) >> 8;
@@ -116,15 +149,20 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
     return true;
 }
 
+static bool within_limits(const struct binner *b)
+{
+    return b->visible_count <= UINT16_MAX && b->node_count <= UINT16_MAX;
+}
+
 static void bin_meshlet(struct binner *b, uint32_t object, uint32_t meshlet, const struct coverage *c)
 {
     struct raster *r = b->r;
     uint32_t nodes = (uint32_t)(c->x1 - c->x0 + 1) * (uint32_t)(c->y1 - c->y0 + 1);
     uint32_t id = b->visible_count++;
-    b->node_count += nodes;
+    b->node_count += nodes; /* <= 2^16 + 2^13: see bin_object */
     size_t needed = b->fixed_bytes + (size_t)b->visible_count * sizeof(struct raster_visible) +
                     (size_t)b->node_count * sizeof(struct raster_node);
-    if (b->visible_count > UINT16_MAX || b->node_count > UINT16_MAX || needed > b->arena_bytes)
+    if (!within_limits(b) || needed > b->arena_bytes)
         b->store = false;
     if (!b->store)
         return;
@@ -139,21 +177,129 @@ static void bin_meshlet(struct binner *b, uint32_t object, uint32_t meshlet, con
         }
 }
 
-static void bin_objects(struct binner *b)
+static struct magnitude magnitude_of(uint64_t x) /* rounded down; of 0: of 1 */
+{
+    unsigned shift = 0;
+    while (x >> 32 >> shift)
+        shift++;
+    uint32_t m = (uint32_t)(x >> shift) | (x == 0);
+    unsigned lead = fx_clz(m);
+    return (struct magnitude){m << lead, (int32_t)shift - (int32_t)lead};
+}
+
+static struct magnitude magnitude_mul(struct magnitude a, struct magnitude b)
+{
+    uint32_t m = fx_mulhi_u(a.m, b.m); /* >= 2^30 */
+    unsigned lead = fx_clz(m);
+    return (struct magnitude){m << lead, a.e + b.e + 32 - (int32_t)lead};
+}
+
+static struct magnitude magnitude_inverse(struct magnitude a)
+{
+    uint32_t m = raster_recip(a.m); /* 2^29 .. 2^30 for 2^61/m */
+    unsigned lead = fx_clz(m);
+    return (struct magnitude){m << lead, -61 - a.e - (int32_t)lead};
+}
+
+/*
+ * The largest error of a level of detail that shows no larger than the threshold at depth w or behind it:
+ * threshold * w / (scale * focal * H/2), in vertex units with 8 fraction bits. Each of four operations is off by less than
+ * 2^-26, which the last line takes off.
+ */
+static uint32_t error_within(const struct binner *b, const struct scene_object *so, struct magnitude w)
+{
+    struct magnitude scale = magnitude_of(so->scale_mantissa);
+    scale.e -= 30 + so->scale_shift;
+    struct magnitude e = magnitude_mul(magnitude_mul(b->pixels, w), magnitude_inverse(scale));
+    e.e += 8;
+    if (e.e > 0)
+        return UINT32_MAX;
+    return e.e <= -32 ? 0 : (e.m - (e.m >> 23)) >> -e.e;
+}
+
+/* False when nothing of the object can be seen. */
+static bool object_prepare(struct raster_object *o, const struct binner *b, const struct scene_object *so)
+{
+    const struct scene_mesh *mesh = &b->r->frame.scene->meshes[so->mesh];
+    struct coverage c;
+    raster_object_setup(o, &b->r->frame, so);
+    if (!box_coverage(&c, b->r, o, mesh->lo, mesh->hi))
+        return false;
+    /* A row's rounding moves W by less than 3 * 2^15 / 2 + 1. What is nearer than the plane is not drawn. */
+    struct magnitude w = magnitude_of((uint32_t)fx_max(c.nearest - (3 << 14) - 1, o->near_w));
+    w.e -= o->scale_w;
+    o->max_error = error_within(b, so, w);
+    o->mesh = so->mesh;
+    return true;
+}
+
+/* Sets up the objects in view; stores them if the arena has room for them. */
+static void list_objects(struct binner *b)
 {
     struct raster *r = b->r;
     const struct scene *s = r->frame.scene;
     for (uint32_t i = 0; i < s->header->objects.count; i++) {
-        struct raster_object local, *o = b->store ? &r->objects[i] : &local;
-        raster_object_setup(o, &r->frame, &s->objects[i]);
-        const struct scene_lod *lod = &s->lods[s->meshes[s->objects[i].mesh].lod_first];
-        for (uint32_t k = 0; k < lod->meshlet_count; k++) {
-            uint32_t id = lod->meshlet_first + k;
-            const struct scene_meshlet *m = &s->meshlets[id];
-            struct coverage c;
-            if (!cone_culled(o, m) && box_coverage(&c, r, o, m))
-                bin_meshlet(b, i, id, &c);
-        }
+        struct raster_object local;
+        size_t end = b->fixed_bytes + sizeof local;
+        bool fits = b->objects_stored && end <= b->arena_bytes;
+        if (!object_prepare(fits ? &r->objects[r->object_count] : &local, b, &s->objects[i]))
+            continue;
+        b->objects_stored = fits;
+        b->fixed_bytes = end;
+        r->object_count++;
+    }
+}
+
+/* The coarsest level that the threshold allows. */
+static const struct scene_lod *choose_level(struct binner *b, const struct raster_object *o)
+{
+    const struct scene *s = b->r->frame.scene;
+    const struct scene_mesh *mesh = &s->meshes[o->mesh];
+    uint32_t error = s->header->lod_error ? o->max_error : 0, level = mesh->lod_count - 1;
+    if (b->bias) { /* doubled as often, from 1 at least */
+        error = o->max_error | (o->max_error == 0);
+        error = fx_clz(error) < b->bias ? UINT32_MAX : error << b->bias;
+    }
+    if (s->lods[mesh->lod_first + level].error > error >> 8)
+        b->coarsest = false;
+    while (level && s->lods[mesh->lod_first + level].error > error >> 8)
+        level--;
+    return &s->lods[mesh->lod_first + level];
+}
+
+static void bin_object(struct binner *b, const struct raster_object *o, uint32_t index)
+{
+    const struct scene_lod *lod = choose_level(b, o);
+    for (uint32_t k = 0; k < lod->meshlet_count && within_limits(b); k++) {
+        uint32_t id = lod->meshlet_first + k;
+        const struct scene_meshlet *m = &b->r->frame.scene->meshlets[id];
+        struct coverage c;
+        if (!cone_culled(o, m) && box_coverage(&c, b->r, o, m->lo, m->hi))
+            bin_meshlet(b, index, id, &c);
+    }
+}
+
+/* Bins all objects at a bias; afterwards b->store says whether the arena holds them. */
+static void bin_objects(struct binner *b, uint32_t bias)
+{
+    struct raster *r = b->r;
+    const struct scene *s = r->frame.scene;
+    b->bias = bias;
+    b->coarsest = true;
+    b->store = b->objects_stored;
+    b->visible_count = b->node_count = 0;
+    if (b->objects_stored) {
+        r->visible = (struct raster_visible *)(r->objects + r->object_count);
+        for (uint32_t t = 0; t < raster_tile_count(r); t++)
+            r->heads[t] = 0;
+        for (uint32_t i = 0; i < r->object_count; i++)
+            bin_object(b, &r->objects[i], i);
+        return;
+    }
+    for (uint32_t i = 0; i < s->header->objects.count; i++) {
+        struct raster_object o;
+        if (object_prepare(&o, b, &s->objects[i]))
+            bin_object(b, &o, 0);
     }
 }
 
@@ -201,25 +347,31 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->tiles_x = (uint16_t)((f->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
     r->tiles_y = (uint16_t)((f->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
     uint32_t tiles = raster_tile_count(r);
-    size_t object_bytes = f->scene->header->objects.count * sizeof(struct raster_object);
     size_t head_bytes = (tiles * sizeof(uint16_t) + 3) & ~(size_t)3;
     bytes &= ~(size_t)3;
-    struct binner b = {.r = r, .fixed_bytes = object_bytes + head_bytes, .arena_bytes = bytes};
-    b.store = arena && bytes >= b.fixed_bytes;
-    if (b.store) {
+    uint32_t threshold = f->scene->header->lod_error;
+    struct binner b = {.r = r, .fixed_bytes = head_bytes, .arena_bytes = bytes};
+    b.pixels = magnitude_mul(magnitude_of(threshold > LEAST_THRESHOLD ? threshold : LEAST_THRESHOLD),
+                             magnitude_inverse(magnitude_of((uint64_t)f->height * f->camera->focal)));
+    b.pixels.e += 1; /* both have 16 fraction bits; H/2 */
+    b.objects_stored = arena && bytes >= head_bytes;
+    if (b.objects_stored) {
         uint8_t *p = arena;
-        r->objects = (struct raster_object *)p;
-        r->heads = (uint16_t *)(p + object_bytes);
-        r->visible = (struct raster_visible *)(p + b.fixed_bytes);
-        b.node_end = (struct raster_node *)(p + bytes);
-        r->nodes = b.node_end;
-        for (uint32_t t = 0; t < tiles; t++)
-            r->heads[t] = 0;
+        r->heads = (uint16_t *)p;
+        r->objects = (struct raster_object *)(p + head_bytes);
+        r->nodes = b.node_end = (struct raster_node *)(p + bytes);
     }
-    bin_objects(&b);
+    r->object_count = 0;
+    list_objects(&b);
+    for (uint32_t bias = 0;; bias = !arena || b.objects_stored ? bias + 1 : MAX_BIAS) {
+        bin_objects(&b, bias);
+        if ((within_limits(&b) && (b.store || !arena)) || b.coarsest || bias == MAX_BIAS)
+            break;
+    }
+    r->lod_bias = b.bias;
     r->visible_count = b.visible_count;
     r->node_count = b.node_count;
-    if (b.visible_count > UINT16_MAX || b.node_count > UINT16_MAX)
+    if (!within_limits(&b))
         return RASTER_ERR_LIMIT;
     r->arena_needed = b.fixed_bytes + (size_t)b.visible_count * sizeof(struct raster_visible) +
                       (size_t)b.node_count * sizeof(struct raster_node);

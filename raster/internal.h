@@ -40,6 +40,8 @@ struct raster_object {
     uint8_t eye_shift;
     uint8_t material;
     int16_t rotation[9]; /* eye space from object space, Q14 */
+    uint32_t max_error; /* of a level of detail, where the frame's threshold allows it: vertex units, 8 fraction bits */
+    uint32_t mesh;
 };
 
 #define VISIBLE_SMALL        1u                         /* drawn by small.c */

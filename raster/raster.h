@@ -39,9 +39,9 @@ enum raster_format {
 enum raster_status {
     RASTER_OK = 0,
     RASTER_ERR_SIZE,  /* width or height zero or above RASTER_MAX_* */
-    RASTER_ERR_ARENA, /* the arena is too small: raster.arena_needed says what this frame takes */
+    RASTER_ERR_ARENA, /* the arena is too small even for the coarsest levels: raster.arena_needed says what they take */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
-    RASTER_ERR_LIMIT, /* more than 65535 visible meshlets or bin entries */
+    RASTER_ERR_LIMIT, /* more than 65535 visible meshlets or bin entries at the coarsest levels */
     RASTER_STATUS_COUNT
 };
 
@@ -87,18 +87,20 @@ struct raster_view {
     int32_t axis; /* the ray's component along the view axis, below 2^15 */
 };
 
-/* A frame being rendered. Read-only while tiles render. Fields are internal but for arena_needed, bad_material. */
+/* A frame being rendered. Read-only while tiles render. Fields are internal but for arena_needed, lod_bias,
+ * bad_material. */
 struct raster {
     struct raster_frame frame;
     struct raster_object *objects;
     struct raster_visible *visible;
     struct raster_node *nodes;
     uint16_t *heads; /* per tile: first node, 0 = none */
-    uint32_t visible_count, node_count;
+    uint32_t object_count, visible_count, node_count;
     uint16_t tiles_x, tiles_y;
     struct raster_light lights[SCENE_MAX_LIGHTS];
     struct raster_view view;
-    size_t arena_needed;
+    size_t arena_needed; /* bytes of arena that this frame uses */
+    uint32_t lod_bias;   /* how often the threshold for levels of detail was doubled to make the frame fit */
     uint32_t bad_material;
 };
 
@@ -159,12 +161,15 @@ struct raster_tile {
     struct raster_batch batch;
 };
 
-/* Bytes of arena that this very frame needs; 0 when raster_begin would fail for another reason. Runs the culling
- * pass, so costs what raster_begin does. */
+/* Bytes of arena that this very frame needs at the levels of detail that its threshold asks for; 0 when raster_begin would
+ * fail for another reason. Runs the culling pass, so costs what raster_begin does. */
 size_t raster_arena_bytes(const struct raster_frame *f);
 
-/* Culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. On error *r is not a
- * frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) are set. */
+/*
+ * Chooses levels of detail, culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. When the
+ * arena is too small, or 16-bit ids run out, the threshold (of 0: 1/16 px) is doubled until the frame fits: no triangle is
+ * ever left out. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) are set.
+ */
 enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes);
 
 /* A short lower-case English sentence, constant storage. */

@@ -22,7 +22,7 @@ const char *scene_status_text(enum scene_status s)
         "header size or total size is wrong",
         "more bytes, objects, materials or lights than the limit",
         "camera out of range or its rotation not orthonormal",
-        "exposure or tone curve out of range",
+        "exposure, tone curve or level-of-detail threshold out of range",
         "light of unknown kind, out of range or its direction not of unit length",
         "material of unknown kind, out of range or badly named",
         "object with a missing mesh or material, a bad rotation or a bad scale",
@@ -207,7 +207,7 @@ static enum scene_status check_elements(const struct scene *s)
     const struct scene_header *h = s->header;
     enum scene_status status = scene_check_camera(&h->camera);
     if (status == SCENE_OK)
-        status = scene_check_output(&h->output);
+        status = h->lod_error > SCENE_MAX_LOD_ERROR ? SCENE_ERR_OUTPUT : scene_check_output(&h->output);
     for (uint32_t i = 0; status == SCENE_OK && i < h->lights.count; i++)
         status = scene_check_light(&s->lights[i]);
     if (status != SCENE_OK)

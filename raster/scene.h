@@ -19,13 +19,14 @@
 #include "fixed.h"
 
 #define SCENE_MAGIC                 0x43535447u /* "GTSC" */
-#define SCENE_VERSION               1u
+#define SCENE_VERSION               2u
 #define SCENE_MAX_BYTES             (64u << 20)
 #define SCENE_MAX_OBJECTS           4096u
 #define SCENE_MAX_MATERIALS         64u
 #define SCENE_MAX_LIGHTS            16u
 #define SCENE_MESHLET_MAX_VERTICES  32u
 #define SCENE_MESHLET_MAX_TRIANGLES 32u
+#define SCENE_MAX_LOD_ERROR         (64u << 16)
 
 struct scene_array {
     uint32_t offset; /* bytes from the start of the blob, a multiple of 4 */
@@ -90,9 +91,13 @@ struct scene_mesh {
     int16_t lo[3], hi[3];          /* bounding box of all its vertices */
 };
 
+/*
+ * A frame draws of each object the coarsest level with error * scale * focal * H/2 / w <= lod_error, w the depth of the
+ * nearest point of its mesh's box that is not behind the near plane.
+ */
 struct scene_lod {
     uint32_t meshlet_first, meshlet_count; /* into meshlets */
-    uint32_t error;                        /* largest simplification error, vertex units, rounded up */
+    uint32_t error;                        /* largest distance from the original surface, vertex units, rounded up */
 };
 
 /*
@@ -133,6 +138,8 @@ struct scene_header {
     struct scene_camera camera;
     struct scene_output output;
     struct scene_array lights, materials, objects, meshes, lods, meshlets, vertices, triangles;
+    uq16_16_t
+        lod_error; /* largest projected simplification error, pixels, 0..64: see struct scene_lod; 0 draws the finest */
 };
 
 _Static_assert(sizeof(struct scene_camera) == 56, "layout");
@@ -145,7 +152,7 @@ _Static_assert(sizeof(struct scene_lod) == 12, "layout");
 _Static_assert(sizeof(struct scene_meshlet) == 44, "layout");
 _Static_assert(sizeof(struct scene_vertex) == 10, "layout");
 _Static_assert(sizeof(struct scene_triangle) == 3, "layout");
-_Static_assert(sizeof(struct scene_header) == 140, "layout");
+_Static_assert(sizeof(struct scene_header) == 144, "layout");
 
 /* A validated blob; pointers into it. */
 struct scene {

@@ -83,6 +83,19 @@ ok "an object without lights and rotation, and a light by colour, build" eval \
     'build "s/\"irradiance\": \[1, 1, 1\]/\"color\": [1, 0.5, 0], \"intensity\": 2/; s/\"rotation\": [^]]*\]/\"rotation\": {\"axis\": [0, 1, 0], \"degrees\": -90}/"'
 ok "a scene without objects builds" eval 'build "/\"objects\"/s/\[\{.*/[],/" && info_has "^objects +0 "'
 
+# --- levels of detail ---
+scene "" && sed -i 's/"segments": 4/"segments": 20/' "$T/s.json" && cp "$T/s.json" "$T/fine.json"
+fine() { "$G" build "$T/fine.json" -o "$T/good.blob" "$@"; }
+ok "a mesh gets a chain of levels" eval 'fine && info_has "^drawn +4800 " "^lods +[5-9] " "^lod error +0.500 " "^mesh +0 .*: 4800 \(0\) 2[0-9]{3} \([1-9]"'
+ok "--no-lod stores the finest level only" eval 'fine --no-lod && info_has "^drawn +4800 " "^lods +1 " "^triangles +4800 "'
+ok "--lod-error sets the threshold" eval 'fine --lod-error 2.25 && info_has "^lod error +2.250 "'
+ok "the scene file sets the threshold, an option overrules it" eval 'build "s/\"tone_curve\"/\"lod_error\": 0.75, \"tone_curve\"/" && info_has "^lod error +0.750 " &&
+    build "s/\"tone_curve\"/\"lod_error\": 0.75, \"tone_curve\"/" --lod-error 0 && info_has "^lod error +0.000 "'
+ok "a threshold out of range is refused" eval 'refused 2 "lod-error.*64" "$G" build "$T/s.json" -o "$T/x.blob" --lod-error 65 &&
+    bad "s/\"tone_curve\"/\"lod_error\": 65, \"tone_curve\"/" 4 "output\.lod_error: .*out of range"'
+ok "a mesh of one million triangles builds in 30 seconds" eval 'scene "s/\"sphere\", \"segments\": 4/\"knot\", \"rings\": 1250, \"sides\": 400/" &&
+    timeout 30 "$G" build "$T/s.json" -o "$T/good.blob" && info_has "^drawn +1000000 " "^lods +1[0-9] "'
+
 # --- scene files ---
 ok "malformed JSON is refused with its line" bad '/"lights"/s/:/;/' 4 's\.json:5:[0-9]+: not valid JSON'
 ok "text after the document is refused" bad '$s/$/ x/' 4 'not valid JSON'

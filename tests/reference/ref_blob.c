@@ -5,7 +5,7 @@
 #include <string.h>
 
 enum { LIGHTS, MATERIALS, OBJECTS, MESHES, LODS, MESHLETS, VERTICES, TRIANGLES };
-enum { HEADER_BYTES = 140 };
+enum { HEADER_BYTES = 144 };
 
 static void put(struct ref_blob_bytes *a, const void *data, size_t bytes)
 {
@@ -184,7 +184,7 @@ void *ref_blob_finish(const struct ref_blob *b, size_t *bytes)
         total += (b->array[i].bytes + 3) & ~(size_t)3;
     }
     put(&out, "GTSC", 4);
-    put_int(&out, 2, 1);
+    put_int(&out, 2, 2);
     put_int(&out, 2, HEADER_BYTES);
     put_int(&out, 4, (int64_t)total);
     put_vector(&out, 4, b->eye, 3, 16);
@@ -198,6 +198,7 @@ void *ref_blob_finish(const struct ref_blob *b, size_t *bytes)
         put_int(&out, 4, (int64_t)offset[i]);
         put_int(&out, 4, b->array[i].count);
     }
+    put_int(&out, 4, 0);
     for (int i = 0; i < REF_BLOB_ARRAYS; i++) {
         put(&out, b->array[i].data ? b->array[i].data : (uint8_t *)"", b->array[i].bytes);
         while (out.bytes % 4)

@@ -10,7 +10,7 @@ enum {
     AT_CAMERA = 12,
     AT_OUTPUT = 68,
     AT_ARRAYS = 76,
-    HEADER_SIZE = 140,
+    HEADER_SIZE = 144,
     LIGHT_SIZE = 28,
     MATERIAL_SIZE = 48,
     OBJECT_SIZE = 60,
@@ -195,7 +195,7 @@ static int read_arrays(struct ref_scene *s, const uint8_t *blob, size_t bytes)
 struct ref_scene *ref_scene_open(const void *blob, size_t bytes)
 {
     const uint8_t *b = blob;
-    if (bytes < HEADER_SIZE || memcmp(b, "GTSC\1\0\214\0", 8) || get_u32(b + AT_TOTAL) != bytes)
+    if (bytes < HEADER_SIZE || memcmp(b, "GTSC\2\0\220\0", 8) || get_u32(b + AT_TOTAL) != bytes)
         return NULL;
     struct ref_scene *s = calloc(1, sizeof *s);
     if (!s)
