@@ -42,7 +42,7 @@ const char *raster_status_text(enum raster_status s)
 {
     static const char *const text[RASTER_STATUS_COUNT] = {
         "no error",
-        "the picture's width or height is zero or above 4096",
+        "the picture's width or height is zero or above 4096, 2048 with 4 samples, or samples are not 1 or 4",
         "the arena is too small for this frame, even at the coarsest levels of detail",
         "a measured material's slot holds no table",
         "more than 65535 visible meshlets or bin entries, even at the coarsest levels of detail",
@@ -99,7 +99,7 @@ static void box_corners(struct raster_clip_vertex c[8], const struct raster_obje
 static bool box_coverage(struct coverage *out, const struct raster *r, const struct raster_object *o,
                          const int16_t lo[3], const int16_t hi[3])
 {
-    const int32_t width = r->frame.width, height = r->frame.height;
+    const int32_t width = r->width, height = r->height;
     int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
     int32_t w0 = INT32_MAX, w1 = 0;
     uint32_t inv_w0 = UINT32_MAX, inv_w1 = 0;
@@ -325,7 +325,9 @@ static void light_setup(struct raster *r)
 
 static enum raster_status check_frame(struct raster *r, const struct raster_frame *f)
 {
-    if (!f->width || !f->height || f->width > RASTER_MAX_WIDTH || f->height > RASTER_MAX_HEIGHT)
+    const unsigned shift = raster_sample_shift(f);
+    if (!f->width || !f->height || f->width > RASTER_MAX_WIDTH >> shift || f->height > RASTER_MAX_HEIGHT >> shift ||
+        (f->samples > 1 && f->samples != 4))
         return RASTER_ERR_SIZE;
     for (uint32_t i = 0; i < f->scene->header->objects.count; i++) {
         const struct scene_material *m = &f->materials[f->scene->objects[i].material];
@@ -344,8 +346,11 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     if (status != RASTER_OK)
         return status;
     r->frame = *f;
-    r->tiles_x = (uint16_t)((f->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
-    r->tiles_y = (uint16_t)((f->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
+    r->sample_shift = (uint8_t)raster_sample_shift(f);
+    r->width = (uint16_t)(f->width << r->sample_shift);
+    r->height = (uint16_t)(f->height << r->sample_shift);
+    r->tiles_x = (uint16_t)((r->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
+    r->tiles_y = (uint16_t)((r->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
     uint32_t tiles = raster_tile_count(r);
     size_t head_bytes = (tiles * sizeof(uint16_t) + 3) & ~(size_t)3;
     bytes &= ~(size_t)3;

@@ -144,14 +144,30 @@ void raster_draw_general(struct raster_tile *t, const struct raster_vertex *a, c
 void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
                          const struct raster_vertex *c, uint64_t area, uint32_t slot, struct raster_stats *stats);
 
-/* shade.c: shades every pixel of the rectangle that has a slot. final: writes finished pixels in the frame's format
- * from the start of the surface; otherwise leaves colours in the surface and frees all slots. */
-void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, bool final,
+/*
+ * With 4 samples per pixel everything up to the surface works on a grid of samples, two by two in a pixel, as if they were pixels:
+ * a tile covers a quarter of the area with the same memory.
+ */
+static inline unsigned raster_sample_shift(const struct raster_frame *f)
+{
+    return f->samples == 4;
+}
+
+/* shade.c: shades a tile's surface and writes finished pixels in the frame's format from its start on. rect in pixels. */
+void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats);
+/* Shades what has a slot, leaves the colours in the surface, and so frees all slots. */
+void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                          struct raster_stats *stats);
 
 /* phong.c: adds one light's reflected radiance to a batch of pixels. Returns pixel-lights evaluated. */
 uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene_material *m,
                                       const struct raster_light *light);
+
+/* blinn_phong.c: the same for that model, but for its ambient light and clamp, which follow all lights. */
+uint32_t raster_shade_blinn_phong(struct raster_batch *b, const struct scene_material *m,
+                                  const struct raster_light *light);
+void raster_finish_blinn_phong(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
 
 /* diffuse.c: Lafortune-Phong without a specular lobe, which needs neither the view nor the normal in eye space. */
 static inline bool raster_is_diffuse(const struct scene_material *m)
@@ -166,9 +182,11 @@ uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance);
 void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
                           const struct raster_surface *s, uint32_t count);
 
-/* tone.c: exposed linear radiance of `count` pixels to finished ones in the frame's format, each in 32 bits: RGB565, or 0x00BBGGRR for
- * RGB888. In place: out may be where radiance is. */
-void raster_finish_pixels(uint32_t *out, const struct raster_frame *f, uq12_20_t radiance[][3], uint32_t count);
-uint32_t raster_background(const struct raster_frame *f);
+/* tone.c: exposed linear radiance of `count` pixels to finished ones in `format`, each in 32 bits: RGB565, or 0x00BBGGRR for RGB888. In
+ * place: out may be where radiance is. */
+void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count, uint8_t tone_curve, uint8_t format);
+/* Display bytes 0x00BBGGRR in `format`. */
+uint32_t raster_pack(uint32_t bgr, uint8_t format);
+uint32_t raster_background(const struct raster_frame *f, uint8_t format);
 
 #endif

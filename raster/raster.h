@@ -38,7 +38,7 @@ enum raster_format {
 
 enum raster_status {
     RASTER_OK = 0,
-    RASTER_ERR_SIZE,  /* width or height zero or above RASTER_MAX_* */
+    RASTER_ERR_SIZE, /* width or height zero or above RASTER_MAX_*, half of that with 4 samples; samples not 0, 1 or 4 */
     RASTER_ERR_ARENA, /* the arena is too small even for the coarsest levels: raster.arena_needed says what they take */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
     RASTER_ERR_LIMIT, /* more than 65535 visible meshlets or bin entries at the coarsest levels */
@@ -56,6 +56,8 @@ struct raster_frame {
     uint16_t width, height;
     uint8_t light_count;
     uint8_t format; /* enum raster_format */
+    uint8_t
+        samples; /* coverage samples per pixel: 4, or 0 or 1 for none but the centre; 4 needs width, height <= 2048 */
 };
 
 struct raster_rect {
@@ -97,6 +99,8 @@ struct raster {
     uint16_t *heads; /* per tile: first node, 0 = none */
     uint32_t object_count, visible_count, node_count;
     uint16_t tiles_x, tiles_y;
+    uint16_t width, height; /* of the grid of samples */
+    uint8_t sample_shift;   /* 1 with 4 samples per pixel, else 0 */
     struct raster_light lights[SCENE_MAX_LIGHTS];
     struct raster_view view;
     size_t arena_needed; /* bytes of arena that this frame uses */
@@ -140,6 +144,7 @@ struct raster_batch {
     struct vec3 normal[RASTER_BATCH], view[RASTER_BATCH];
     uq12_20_t radiance[RASTER_BATCH][3];
     uint16_t pixel[RASTER_BATCH]; /* index into the tile's surface */
+    uint8_t weight[RASTER_BATCH]; /* samples of the pixel that show it */
     uint32_t count;
     uint32_t material;
     /* kd/pi * irradiance of a diffuse material under each light, 21 fraction bits */

@@ -6,23 +6,45 @@
  */
 #include "internal.h"
 
+enum target {
+    TARGET_PIXELS,  /* finished pixels from the surface's start on */
+    TARGET_SAMPLES, /* colours into the samples' own surface, slot 0 */
+    TARGET_RESOLVE  /* weighted colours, summed in the surface of a pixel's first sample */
+};
+
 struct output {
     const struct raster *r;
     struct raster_tile *t;
-    const struct raster_rect *rect;
-    bool final;
+    uint32_t width, height; /* pixels, or samples for TARGET_SAMPLES */
+    uint32_t x0, y0;        /* the tile's first pixel, for views */
+    enum target target;
+    uint8_t view_shift; /* 1: what is shaded are samples of a pixel */
+    uint8_t format;     /* of a finished value: the frame's, but RGB888 where samples will be averaged */
 };
 
-/* `value`: a finished pixel. */
-static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uint32_t value)
+static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                                 enum target target)
 {
-    if (!o->final) {
-        struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + x];
-        s->normal = value;
-        s->depth_slot &= ~(uint32_t)255;
-        return;
-    }
-    uint32_t index = y * o->rect->width + x;
+    unsigned shift = target == TARGET_SAMPLES ? r->sample_shift : 0;
+    return (struct output){r,
+                           t,
+                           (uint32_t)rect->width << shift,
+                           (uint32_t)rect->height << shift,
+                           rect->x,
+                           rect->y,
+                           target,
+                           (uint8_t)shift,
+                           r->sample_shift ? RASTER_RGB888 : r->frame.format};
+}
+
+/* Four sums of bytes fit ten bits each. */
+static inline uint32_t spread(uint32_t bgr)
+{
+    return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
+}
+
+static inline void store_pixel(const struct output *o, uint32_t index, uint32_t value)
+{
     if (o->r->frame.format == RASTER_RGB565) {
         ((uint16_t *)o->t->surface)[index] = (uint16_t)value;
     } else {
@@ -33,17 +55,31 @@ static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uin
     }
 }
 
+/* `value`: a finished pixel or sample. */
+static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uint32_t value, uint32_t weight)
+{
+    struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + x];
+    if (o->target == TARGET_PIXELS) {
+        store_pixel(o, y * o->width + x, value);
+    } else if (o->target == TARGET_SAMPLES) {
+        s->normal = value;
+        s->depth_slot &= ~(uint32_t)255;
+    } else {
+        s->normal += weight * spread(value);
+    }
+}
+
 /* A run of finished pixels. */
 static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
 {
-    if (o->final && o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface + y * o->rect->width + x;
+    if (o->target == TARGET_PIXELS && o->r->frame.format == RASTER_RGB565) {
+        uint16_t *out = (uint16_t *)o->t->surface + y * o->width + x;
         for (const uint32_t *end = values + count; values != end; values++)
             *out++ = (uint16_t)*values;
         return;
     }
     for (uint32_t i = 0; i < count; i++)
-        put_pixel(o, x + i, y, values[i]);
+        put_pixel(o, x + i, y, values[i], 1);
 }
 
 /* A surface's normal in eye space, Q15: of unit length by construction, whatever its coordinates were interpolated to. */
@@ -94,33 +130,43 @@ static void flush(const struct output *o, struct raster_stats *stats)
     for (unsigned l = 0; l < r->frame.light_count; l++) {
         if (m->kind == SCENE_MATERIAL_MEASURED)
             shade_measured(r, b, m, &r->lights[l], stats);
+        else if (m->kind == SCENE_MATERIAL_BLINN_PHONG)
+            stats->shaded += raster_shade_blinn_phong(b, m, &r->lights[l]);
         else
             stats->shaded += raster_shade_lafortune_phong(b, m, &r->lights[l]);
     }
+    if (m->kind == SCENE_MATERIAL_BLINN_PHONG)
+        raster_finish_blinn_phong(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
-    raster_finish_pixels(value, &r->frame, b->radiance, b->count);
+    raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
     for (uint32_t i = 0; i < b->count; i++)
-        put_pixel(o, b->pixel[i] % RASTER_TILE_WIDTH, b->pixel[i] / RASTER_TILE_WIDTH, value[i]);
+        put_pixel(o, b->pixel[i] % RASTER_TILE_WIDTH, b->pixel[i] / RASTER_TILE_WIDTH, value[i], b->weight[i]);
     b->count = 0;
+}
+
+/* Adds a pixel to the batch. (x, y): where its colour goes; `sample`: where its normal is. */
+static void gather_pixel(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y,
+                         const struct raster_surface *sample, uint32_t weight, struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    if (b->count == RASTER_BATCH || (b->count && b->material != slot->material))
+        flush(o, stats);
+    b->material = slot->material;
+    uint32_t i = b->count++, shift = o->view_shift;
+    unsigned to_pixel = o->target == TARGET_RESOLVE;
+    b->pixel[i] = (uint16_t)(y * RASTER_TILE_WIDTH + x);
+    b->weight[i] = (uint8_t)weight;
+    b->normal[i] = eye_normal(slot, sample);
+    b->view[i] = raster_view_vector(o->r, o->x0 + (x >> (shift | to_pixel)), o->y0 + (y >> (shift | to_pixel)));
+    b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }
 
 /* A run of `count` pixels of one slot, for a material that needs the view. */
 static void gather_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
                        struct raster_stats *stats)
 {
-    struct raster_batch *b = &o->t->batch;
-    if (b->count && b->material != slot->material)
-        flush(o, stats);
-    b->material = slot->material;
-    for (uint32_t end = x + count; x < end; x++) {
-        if (b->count == RASTER_BATCH)
-            flush(o, stats);
-        uint32_t i = b->count++, pixel = y * RASTER_TILE_WIDTH + x;
-        b->pixel[i] = (uint16_t)pixel;
-        b->normal[i] = eye_normal(slot, &o->t->surface[pixel]);
-        b->view[i] = raster_view_vector(o->r, o->rect->x + x, o->rect->y + y);
-        b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
-    }
+    for (uint32_t end = x + count; x < end; x++)
+        gather_pixel(o, slot, x, y, &o->t->surface[y * RASTER_TILE_WIDTH + x], 1, stats);
 }
 
 /* The same for a diffuse material, which needs no batch of its own: runs go through the batch's radiance. A run is at most a
@@ -132,7 +178,7 @@ static void diffuse_run(const struct output *o, const struct raster_slot *slot, 
     if (b->count)
         flush(o, stats);
     raster_shade_diffuse(b, o->r, slot, o->t->surface + y * RASTER_TILE_WIDTH + x, count);
-    raster_finish_pixels(b->radiance[0], &o->r->frame, b->radiance, count);
+    raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
     put_run(o, x, y, b->radiance[0], count);
     stats->shaded += count * o->r->frame.light_count;
 }
@@ -142,51 +188,118 @@ static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t 
                           struct raster_stats *stats)
 {
     const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-    const uint32_t width = o->rect->width;
-    if (!o->final) {
+    const uint32_t width = o->width;
+    if (o->target == TARGET_SAMPLES) {
         while (x < width && !(row[x].depth_slot & 255))
             x++;
         return x;
     }
     for (; x < width && row[x].depth_slot && !(row[x].depth_slot & 255); x++, stats->covered++)
-        put_pixel(o, x, y, row[x].normal);
+        store_pixel(o, y * width + x, row[x].normal);
     if (o->r->frame.format == RASTER_RGB565) {
         uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
         for (; x < width && !row[x].depth_slot; x++)
             *out++ = (uint16_t)background;
     } else {
         for (; x < width && !row[x].depth_slot; x++)
-            put_pixel(o, x, y, background);
+            store_pixel(o, y * width + x, background);
     }
     return x;
 }
 
-void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, bool final,
-                       struct raster_stats *stats)
+static void shade_rows(const struct output *o, struct raster_stats *stats)
 {
-    const struct output o = {r, t, rect, final};
-    const uint32_t background = raster_background(&r->frame);
-    t->batch.count = 0;
-    t->batch.diffuse_material = 0;
-    for (uint32_t y = 0; y < rect->height; y++) {
-        const struct raster_surface *row = t->surface + y * RASTER_TILE_WIDTH;
-        for (uint32_t x = 0; x < rect->width;) {
+    const struct raster *r = o->r;
+    const uint32_t background = raster_background(&r->frame, o->format);
+    for (uint32_t y = 0; y < o->height; y++) {
+        const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+        for (uint32_t x = 0; x < o->width;) {
             uint32_t slot = row[x].depth_slot & 255, count = 1;
             if (!slot) {
-                x = plain_run(&o, background, x, y, stats);
+                x = plain_run(o, background, x, y, stats);
                 continue;
             }
-            while (x + count < rect->width && (row[x + count].depth_slot & 255) == slot)
+            while (x + count < o->width && (row[x + count].depth_slot & 255) == slot)
                 count++;
-            stats->covered += final ? count : 0;
-            const struct raster_slot *info = &t->slots[slot];
-            if (raster_is_diffuse(&r->frame.materials[info->material]))
-                diffuse_run(&o, info, x, y, count, stats);
+            stats->covered += o->target == TARGET_PIXELS ? count : 0;
+            const struct raster_slot *info = &o->t->slots[slot];
+            if (raster_is_diffuse(&r->frame.materials[info->material]) && !r->sample_shift)
+                diffuse_run(o, info, x, y, count, stats);
             else
-                gather_run(&o, info, x, y, count, stats);
+                gather_run(o, info, x, y, count, stats);
             x += count;
         }
     }
+}
+
+/* One pixel's four samples, s[0] first: those that have a colour already are summed into the first one's normal, the others
+ * are shaded once for each slot, with the first such sample's normal. Returns whether any shows a surface. */
+static bool resolve_pixel(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
+                          struct raster_stats *stats)
+{
+    struct raster_surface *first = &o->t->surface[y * RASTER_TILE_WIDTH + x];
+    const struct raster_surface s[4] = {first[0], first[1], first[RASTER_TILE_WIDTH], first[RASTER_TILE_WIDTH + 1]};
+    uint32_t sum = 0;
+    bool covered = false;
+    for (int i = 0; i < 4; i++) {
+        if (!(s[i].depth_slot & 255))
+            sum += spread(s[i].depth_slot ? s[i].normal : background);
+        covered |= s[i].depth_slot != 0;
+    }
+    first->normal = sum;
+    for (int i = 0; i < 4; i++) {
+        uint32_t slot = s[i].depth_slot & 255, weight = 0;
+        for (int k = 0; k < 4 && slot; k++) {
+            bool same = (s[k].depth_slot & 255) == slot;
+            if (same && k < i)
+                slot = 0; /* shaded with the earlier sample */
+            weight += same;
+        }
+        if (slot)
+            gather_pixel(o, &o->t->slots[slot], x, y, &s[i], weight, stats);
+    }
+    return covered;
+}
+
+static void resolve_tile(const struct output *o, struct raster_stats *stats)
+{
+    const uint32_t background = raster_background(&o->r->frame, RASTER_RGB888);
+    for (uint32_t y = 0; y < o->height; y++)
+        for (uint32_t x = 0; x < o->width; x++)
+            stats->covered += resolve_pixel(o, background, 2 * x, 2 * y, stats);
+    if (o->t->batch.count)
+        flush(o, stats);
+    for (uint32_t y = 0; y < o->height; y++)
+        for (uint32_t x = 0; x < o->width; x++) {
+            uint32_t sum =
+                o->t->surface[2 * y * RASTER_TILE_WIDTH + 2 * x].normal + 0x00200802u; /* 2 in each, to round */
+            uint32_t bgr = (sum >> 2 & 0xff) | (sum >> 4 & 0xff00) | (sum >> 6 & 0xff0000);
+            store_pixel(o, y * o->width + x, raster_pack(bgr, o->r->frame.format));
+        }
+}
+
+void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                       struct raster_stats *stats)
+{
+    const struct output o = make_output(r, t, rect, r->sample_shift ? TARGET_RESOLVE : TARGET_PIXELS);
+    t->batch.count = 0;
+    t->batch.diffuse_material = 0;
+    if (r->sample_shift) {
+        resolve_tile(&o, stats);
+        return;
+    }
+    shade_rows(&o, stats);
+    if (t->batch.count)
+        flush(&o, stats);
+}
+
+void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                          struct raster_stats *stats)
+{
+    const struct output o = make_output(r, t, rect, TARGET_SAMPLES);
+    t->batch.count = 0;
+    t->batch.diffuse_material = 0;
+    shade_rows(&o, stats);
     if (t->batch.count)
         flush(&o, stats);
 }

@@ -91,26 +91,27 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
 void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
                         struct raster_stats *stats)
 {
+    /* In samples; even with 4 of them per pixel, as the tile's size is. */
     uint32_t x = index % r->tiles_x * RASTER_TILE_WIDTH, y = index / r->tiles_x * RASTER_TILE_HEIGHT;
-    uint32_t right = r->frame.width - x, below = r->frame.height - y;
-    *rect = (struct raster_rect){(uint16_t)x, (uint16_t)y,
-                                 (uint16_t)(right < RASTER_TILE_WIDTH ? right : RASTER_TILE_WIDTH),
-                                 (uint16_t)(below < RASTER_TILE_HEIGHT ? below : RASTER_TILE_HEIGHT)};
+    uint32_t right = r->width - x, below = r->height - y, shift = r->sample_shift;
+    *rect = (struct raster_rect){(uint16_t)(x >> shift), (uint16_t)(y >> shift),
+                                 (uint16_t)((right < RASTER_TILE_WIDTH ? right : RASTER_TILE_WIDTH) >> shift),
+                                 (uint16_t)((below < RASTER_TILE_HEIGHT ? below : RASTER_TILE_HEIGHT) >> shift)};
     *stats = (struct raster_stats){0};
     clear_surface(work);
     /* The picture's centre from the tile's corner in 1/512 px, plus one to round to nearest. */
-    int32_t centre_x2 = r->frame.width * 256 - (int32_t)x * 512 + 1;
-    int32_t centre_y2 = r->frame.height * 256 - (int32_t)y * 512 + 1;
+    int32_t centre_x2 = r->width * 256 - (int32_t)x * 512 + 1;
+    int32_t centre_y2 = r->height * 256 - (int32_t)y * 512 + 1;
     uint32_t slot = 0;
     for (uint32_t node = r->heads[index]; node;) {
         const struct raster_node *n = r->nodes - node;
         if (slot == 255) { /* all slots taken: shade what is visible so far and go on */
-            raster_shade_tile(r, work, rect, false, stats);
+            raster_shade_samples(r, work, rect, stats);
             slot = 0;
         }
         draw_meshlet(r, work, &r->visible[n->visible], ++slot, centre_x2, centre_y2, stats);
         stats->meshlets++;
         node = n->next;
     }
-    raster_shade_tile(r, work, rect, true, stats);
+    raster_shade_tile(r, work, rect, stats);
 }

@@ -36,12 +36,17 @@ static void apply_aces(uint32_t c[3])
     }
 }
 
-/* Nearest of 32 and 64 levels: (x * 31 + 127) / 255 without the division, exact for 0..255. */
-static uint32_t pack(const struct raster_frame *f, uint32_t red, uint32_t green, uint32_t blue)
+/* RGB565: nearest of 32 and 64 levels, (x * 31 + 127) / 255 without the division, exact for 0..255. */
+static inline uint32_t pack(uint32_t red, uint32_t green, uint32_t blue, uint8_t format)
 {
-    if (f->format == RASTER_RGB565)
+    if (format == RASTER_RGB565)
         return (red * 249 + 1014) >> 11 << 11 | (green * 253 + 505) >> 10 << 5 | (blue * 249 + 1014) >> 11;
     return red | green << 8 | blue << 16;
+}
+
+uint32_t raster_pack(uint32_t bgr, uint8_t format)
+{
+    return pack(bgr & 255, bgr >> 8 & 255, bgr >> 16 & 255, format);
 }
 
 /* One of 2^bits levels of equal width, white at 2^20 and above. Signed, for it is one instruction on ARM then. */
@@ -50,12 +55,12 @@ static inline uint32_t quantise(uq12_20_t x, unsigned bits)
     return (uint32_t)fx_clamp((int32_t)x >> (20 - bits), 0, (1 << bits) - 1);
 }
 
-void raster_finish_pixels(uint32_t *out, const struct raster_frame *f, uq12_20_t radiance[][3], uint32_t count)
+void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count, uint8_t tone_curve, uint8_t format)
 {
-    if (f->output->tone_curve == SCENE_TONE_LINEAR) {
+    if (tone_curve == SCENE_TONE_LINEAR) {
         const uint32_t *c = radiance[0];
         uint32_t *end = out + count;
-        if (f->format == RASTER_RGB565) {
+        if (format == RASTER_RGB565) {
             for (; out != end; c += 3)
                 *out++ = quantise(c[0], 5) << 11 | quantise(c[1], 6) << 5 | quantise(c[2], 5);
         } else {
@@ -66,14 +71,14 @@ void raster_finish_pixels(uint32_t *out, const struct raster_frame *f, uq12_20_t
     }
     for (uint32_t i = 0; i < count; i++) {
         uint32_t c[3] = {radiance[i][0], radiance[i][1], radiance[i][2]};
-        if (f->output->tone_curve == SCENE_TONE_ACES)
+        if (tone_curve == SCENE_TONE_ACES)
             apply_aces(c);
-        out[i] = pack(f, lut_srgb8(c[0]), lut_srgb8(c[1]), lut_srgb8(c[2]));
+        out[i] = pack(lut_srgb8(c[0]), lut_srgb8(c[1]), lut_srgb8(c[2]), format);
     }
 }
 
-uint32_t raster_background(const struct raster_frame *f)
+uint32_t raster_background(const struct raster_frame *f, uint8_t format)
 {
     const uint8_t *b = f->output->background;
-    return pack(f, b[0], b[1], b[2]);
+    return pack(b[0], b[1], b[2], format);
 }

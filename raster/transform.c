@@ -104,7 +104,7 @@ void raster_object_setup(struct raster_object *o, const struct raster_frame *f, 
 
     /* w = -e.z; X and Y in half sub-pixels times w: H/2 * focal * 512 = H * focal * 2^8. */
     struct scaled w_row[3], w_offset = {-offset[2].m, offset[2].e};
-    struct scaled pixels = {(int64_t)f->height * cam->focal, 8 - 16}; /* < 2^12 * 2^24 */
+    struct scaled pixels = {(int64_t)f->height * cam->focal, 8 - 16 + raster_sample_shift(f)}; /* < 2^12 * 2^24 */
     int32_t drop = bit_length((uint64_t)pixels.m) - 31;
     if (drop > 0)
         pixels = (struct scaled){pixels.m >> drop, pixels.e + drop};
