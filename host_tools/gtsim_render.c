@@ -1,21 +1,32 @@
-/* `render`: scene and tables into the simulated device, a frame out of it, without USB programs. */
+/*
+ * `render`: scene and tables into the simulated device, a frame out of it, without USB programs.
+ *
+ * One thread and the natural order of tiles: the firmware's own frame loop renders, as on a device. Otherwise the firmware begins the
+ * frame and gtsim_tiles.c renders its tiles; the picture is the same.
+ */
 #define _GNU_SOURCE
 #include "gtsim.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
+#include "gtsim_tiles.h"
 #include "host_canvas.h"
 #include "host_image.h"
 #include "host_model.h"
 #include "sim_device.h"
 
+#define MAX_THREADS 64
+
 struct render {
     struct sim_config board;
     const char *scene, *output, *tables[RASTER_MAX_SLOTS];
     uint32_t model;
-    bool stats;
+    bool stats, shuffled;
+    unsigned threads;
+    uint32_t seed;
 };
 
 static void parse_table(struct render *r, char *arg)
@@ -47,6 +58,13 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         return 0;
     case 'S':
         r->stats = true;
+        return 0;
+    case 'j':
+        r->threads = (unsigned)parse_long("--threads", arg, 1, MAX_THREADS);
+        return 0;
+    case 'r':
+        r->seed = (uint32_t)parse_long("--shuffle", arg, 0, UINT32_MAX);
+        r->shuffled = true;
         return 0;
     case ARGP_KEY_ARG:
         if (r->scene)
@@ -94,32 +112,82 @@ static void device_set_model(struct sim_device *d, uint32_t model)
         die(EXIT_INTERNAL, "the simulated device refuses the model");
 }
 
-static void device_frame(struct sim_device *d, const struct render *r, uint8_t *pixels)
+/* Dies when the device refused the frame. */
+static void check_frame(const struct render *r, uint32_t status, uint32_t detail)
 {
-    struct usb_header h;
-    if (!sim_device_frame(d, pixels, &h))
-        die(EXIT_INTERNAL, "the simulated device does not answer");
-    if (h.status == USB_ERR_TABLE)
-        die(EXIT_REFUSED, "%s: the table slot of material %u is empty; give --table SLOT=FILE", r->scene, h.detail);
-    if (h.status == USB_ERR_RENDER)
-        die(EXIT_REFUSED, "%s: cannot be rendered: %s", r->scene, raster_status_text((enum raster_status)h.detail));
-    if (h.status == USB_ERR_MEMORY)
-        die(EXIT_REFUSED, "%s: the frame needs %u bytes of memory, the device has %zu", r->scene, h.detail,
+    if (status == USB_ERR_TABLE)
+        die(EXIT_REFUSED, "%s: the table slot of material %u is empty; give --table SLOT=FILE", r->scene, detail);
+    if (status == USB_ERR_RENDER)
+        die(EXIT_REFUSED, "%s: cannot be rendered: %s", r->scene, raster_status_text((enum raster_status)detail));
+    if (status == USB_ERR_MEMORY)
+        die(EXIT_REFUSED, "%s: the frame needs %u bytes of memory, the device has %zu", r->scene, detail,
             r->board.arena_bytes);
-    if (h.status != USB_OK)
-        die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", r->scene, h.status, h.detail);
+    if (status != USB_OK)
+        die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", r->scene, status, detail);
 }
 
-static void print_stats(struct sim_device *d)
+static void print_stats(uint32_t tiles, uint32_t meshlets, uint32_t bytes, const struct raster_stats *s)
+{
+    printf("tiles %u, visible meshlets %u, memory used %u bytes\n", tiles, meshlets, bytes);
+    printf("triangles %u, tested %u, covered %u, shaded %u, fetches %u", s->triangles, s->tested, s->covered, s->shaded,
+           s->fetches);
+}
+
+/* The frame as the firmware renders it. */
+static void frame_by_firmware(struct sim_device *d, const struct render *r, uint8_t *pixels)
 {
     struct usb_stats_request want = {0};
     struct usb_header h;
     struct usb_stats s;
+    if (!sim_device_frame(d, pixels, &h))
+        die(EXIT_INTERNAL, "the simulated device does not answer");
+    check_frame(r, h.status, h.detail);
+    if (!r->stats)
+        return;
     if (!sim_device_request(d, USB_MSG_STATS, &want, sizeof want, &h, &s, sizeof s) || h.status != USB_OK)
         die(EXIT_INTERNAL, "the simulated device has no statistics");
-    printf("tiles %u, visible meshlets %u, memory used %u bytes\n", s.tile_count, s.meshlets_visible, s.arena_used);
-    printf("triangles %u, tested %u, covered %u, shaded %u, fetches %u, ticks %u\n", s.total.triangles, s.total.tested,
-           s.total.covered, s.total.shaded, s.total.fetches, s.total.ticks);
+    const struct raster_stats sum = {
+        0, s.total.triangles, s.total.tested, s.total.covered, s.total.shaded, s.total.fetches};
+    print_stats(s.tile_count, s.meshlets_visible, s.arena_used, &sum);
+    printf(", ticks %u\n", s.total.ticks);
+}
+
+/* The frame that the firmware begins, its tiles rendered by the pool. */
+static void frame_by_pool(struct sim_device *d, const struct render *r, uint8_t *pixels)
+{
+    const struct raster *frame = &d->app.frame.raster;
+    uint32_t *order = xmalloc(d->config.tile_stats_count * sizeof *order);
+    struct raster_stats sum;
+    enum raster_status status = app_frame_begin(&d->app, false);
+    if (status == RASTER_ERR_TABLE)
+        check_frame(r, USB_ERR_TABLE, frame->bad_material);
+    if (status == RASTER_ERR_ARENA)
+        check_frame(r, USB_ERR_MEMORY, (uint32_t)frame->arena_needed);
+    if (status != RASTER_OK)
+        check_frame(r, USB_ERR_RENDER, (uint32_t)status);
+    tiles_order(order, raster_tile_count(frame), r->shuffled, r->seed);
+    tiles_render(pixels, &sum, frame, order, r->threads);
+    free(order);
+    if (!r->stats)
+        return;
+    print_stats(raster_tile_count(frame), frame->visible_count, (uint32_t)frame->arena_needed, &sum);
+    putchar('\n');
+}
+
+/* FNV-1a, 32 bits, of the picture in the device's format: what the emulated boards print. */
+static uint32_t pixels_hash(const uint8_t *pixels, size_t bytes)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < bytes; i++)
+        hash = (hash ^ pixels[i]) * 16777619u;
+    return hash;
+}
+
+static double seconds_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
 int command_render(int argc, char **argv)
@@ -128,13 +196,15 @@ int command_render(int argc, char **argv)
         {"output", 'o', "FILE", 0, "the picture (PNG)", 0},
         {"table", 't', "SLOT=FILE", 0, "a table into a table slot, 0 to 15; repeat for more", 0},
         {"model", 'm', "MODEL", 0, MODEL_NAMES " or scene (scene)", 0},
-        {"stats", 'S', NULL, 0, "print what the frame cost", 0},
+        {"stats", 'S', NULL, 0, "print what the frame cost, its hash and the time it took on this machine", 0},
+        {"threads", 'j', "N", 0, "render tiles on N threads, 1 to 64 (1); the picture is the same", 0},
+        {"shuffle", 'r', "SEED", 0, "render tiles in a random order; the picture is the same", 0},
         {0}};
     static const struct argp_child children[] = {{&board_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {
         options,  parse_option, "SCENE", "Renders a scene (from gtscene) into a picture, on the simulated device.",
         children, NULL,         NULL};
-    struct render r = {.board = board_default(), .model = MODEL_OF_SCENE};
+    struct render r = {.board = board_default(), .model = MODEL_OF_SCENE, .threads = 1};
     r.board.arena_bytes = 4u << 20; /* more than a device has: any scene can be looked at */
     uint8_t descriptors[64];
     struct canvas canvas;
@@ -148,11 +218,17 @@ int command_render(int argc, char **argv)
             device_load(d, i + 1, r.tables[i]);
     device_set_model(d, r.model);
     canvas_init(&canvas, r.board.width, r.board.height, r.board.format);
-    uint8_t *pixels = xmalloc((size_t)canvas.missing * canvas_pixel_bytes(r.board.format));
-    device_frame(d, &r, pixels);
+    size_t bytes = (size_t)canvas.missing * canvas_pixel_bytes(r.board.format);
+    uint8_t *pixels = xmalloc(bytes);
+    double start = seconds_now();
+    if (r.threads > 1 || r.shuffled)
+        frame_by_pool(d, &r, pixels);
+    else
+        frame_by_firmware(d, &r, pixels);
     canvas_put(&canvas, 0, 0, canvas.width, canvas.height, pixels);
     if (r.stats)
-        print_stats(d);
+        printf("frame hash %08x, threads %u, %.1f ms\n", pixels_hash(pixels, bytes), r.threads,
+               1e3 * (seconds_now() - start));
     image_write_u8(r.output, canvas.width, canvas.height, 3, canvas.rgb);
     free(pixels);
     canvas_free(&canvas);

@@ -31,6 +31,9 @@ usage render_two_scenes 'Usage: gtsim render.*' render "$scene" "$scene" -o "$wo
 usage table_without_slot "gtsim: render: --table: 'a.ktx2' has no slot; .*" render "$scene" --table a.ktx2
 usage table_slot_out_of_range "gtsim: render: --table SLOT: '16' is not .*" render "$scene" --table 16=a.ktx2
 usage unknown_model "gtsim: render: --model: no model 'ggx'; .*" render "$scene" --model ggx
+usage render_on_no_thread "gtsim: render: --threads: '0' is not .*" render "$scene" --threads 0
+usage render_on_too_many_threads "gtsim: render: --threads: '65' is not .*" render "$scene" --threads 65
+usage shuffle_needs_a_number "gtsim: render: --shuffle: 'x' is not .*" render "$scene" --shuffle x
 usage run_without_program 'gtsim: run: no program to run; .*' run
 usage run_too_many_devices "gtsim: run: --devices: '3' is not .*" run --devices 3 -- true
 usage run_flash_of_two_devices 'gtsim: run: --flash is for one device, --devices is 2' \
@@ -42,6 +45,9 @@ usage run_bank_out_of_range "gtsim: run: --bank: '1' is not .*" run --bank 1 -- 
 expect render_is_silent 0 '' '' gtsim render "$scene" "${tables[@]}" -o "$work/a.png"
 expect render_prints_what_it_cost 0 'tiles 40, .*triangles [1-9].*' '' \
     gtsim render "$scene" "${tables[@]}" -o "$work/b.png" --stats
+expect threads_print_what_the_frame_cost 0 'tiles 40, .*frame hash [0-9a-f]{8}, threads 3, [0-9.]+ ms' '' \
+    gtsim render "$scene" "${tables[@]}" -o "$work/t.png" --stats --threads 3 --shuffle 5
+check threads_render_the_same cmp "$work/a.png" "$work/t.png"
 check render_repeats cmp "$work/a.png" "$work/b.png"
 expect lafortune_needs_no_table 0 '' '' gtsim render "$scene" --model lafortune_phong -o "$work/l.png"
 check models_differ bash -c '! cmp "$work/a.png" "$work/l.png"'
@@ -66,6 +72,7 @@ bad missing_table 3 "gtsim: render: $work/none: No such file.*; .*" "$scene" --t
 bad truncated_table 4 "gtsim: render: $work/short.ktx2: not a valid table: .*; .*" "$scene" --table 0="$work/short.ktx2"
 bad scene_as_table 4 "gtsim: render: $scene: not a valid table: .*; .*" "$scene" --table 0="$scene"
 bad empty_table_slot 9 "gtsim: render: $scene: the table slot of material 0 is empty; .*" "$scene"
+bad empty_table_slot_on_threads 9 "gtsim: render: $scene: the table slot of material 0 is empty; .*" "$scene" --threads 2
 check nothing_is_written_on_failure bash -c '! ls "$work" | grep -E "bad|tmp"'
 expect output_in_a_missing_folder 3 '' "gtsim: render: .*none/x.png.*" \
     gtsim render "$scene" --model lafortune_phong -o "$work/none/x.png"
