@@ -20,7 +20,8 @@ enum {
 static bool config_valid(const struct app_config *c)
 {
     if (c->width == 0 || c->width > RASTER_MAX_WIDTH || c->height == 0 || c->height > RASTER_MAX_HEIGHT ||
-        c->format > RASTER_RGB888 || c->slot_count < 2 || c->slot_count > USB_MAX_SLOTS)
+        c->format > RASTER_RGB888 || (c->samples > 1 && c->samples != 4) || c->slot_count < 2 ||
+        c->slot_count > USB_MAX_SLOTS)
         return false;
     if (!c->arena || (uintptr_t)c->arena % 8 != 0 || !c->serial)
         return false;
@@ -68,6 +69,7 @@ enum raster_status app_frame_begin(struct app *app, bool streamed)
         .height = app->config.height,
         .light_count = c->light_count,
         .format = app->config.format,
+        .samples = app->config.samples,
     };
     uint32_t start = clock_now(app);
     enum raster_status status = raster_begin(&f->raster, &what, app->config.arena, app->config.arena_bytes);

@@ -28,6 +28,11 @@ static error_t parse_board(int key, char *arg, struct argp_state *state)
             die(EXIT_USAGE, "--format: no format '%s'; it is rgb565 or rgb888", arg);
         board->format = strcmp(arg, "rgb565") ? RASTER_RGB888 : RASTER_RGB565;
         return 0;
+    case 'a':
+        board->samples = (uint8_t)parse_long("--samples", arg, 1, 4);
+        if (board->samples != 1 && board->samples != 4)
+            die(EXIT_USAGE, "--samples: %s per pixel; it is 1 or 4", arg);
+        return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
@@ -35,6 +40,7 @@ static error_t parse_board(int key, char *arg, struct argp_state *state)
 
 static const struct argp_option board_options[] = {
     {"size", 's', "WxH", 0, "the picture's size (320x240)", 0},
+    {"samples", 'a', "1|4", 0, "coverage samples per pixel (1); 4 smooths edges", 0},
     {"format", 'f', "rgb565|rgb888", 0, "the device's pixels (rgb888)", 0},
     {0}};
 const struct argp board_argp = {board_options, parse_board, NULL, NULL, NULL, NULL, NULL};

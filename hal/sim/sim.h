@@ -15,6 +15,7 @@
 struct sim_config {
     uint16_t width, height;    /* of the picture; 0: 320 x 240 */
     uint8_t format;            /* enum raster_format: 0 RGB565, 1 RGB888 */
+    uint8_t samples;           /* coverage samples per pixel: 4, or 0 or 1 */
     bool display;              /* the board has a display: frames are rendered all the time */
     bool high_speed;           /* 512-byte bulk packets instead of 64 */
     bool write_forbidden;      /* the strap that forbids writing flash; see sim_forbid_writing */

@@ -21,12 +21,14 @@ struct sim_device *sim_device_create(const struct sim_config *config)
         return NULL;
     }
     const struct sim_config *c = sim_configuration(d->board);
-    uint32_t tiles = ((c->width + RASTER_TILE_WIDTH - 1u) / RASTER_TILE_WIDTH) *
-                     ((c->height + RASTER_TILE_HEIGHT - 1u) / RASTER_TILE_HEIGHT);
+    uint32_t scale = c->samples == 4 ? 2 : 1; /* a tile is one of samples */
+    uint32_t tiles = ((c->width * scale + RASTER_TILE_WIDTH - 1u) / RASTER_TILE_WIDTH) *
+                     ((c->height * scale + RASTER_TILE_HEIGHT - 1u) / RASTER_TILE_HEIGHT);
     d->config = (struct app_config){
         .width = c->width,
         .height = c->height,
         .format = c->format,
+        .samples = c->samples,
         .slot_count = c->slot_count,
         .scene_bank_bytes = c->scene_bank_bytes,
         .arena = malloc(c->arena_bytes),
