@@ -34,10 +34,10 @@ static int32_t random_in(int32_t lo, int32_t hi)
     return lo + (int32_t)(((uint64_t)random32() * (uint32_t)(hi - lo + 1)) >> 32);
 }
 
-static void draw(const int32_t v[3][2], bool small, const struct raster_vertex attributes[3])
+static void draw_over(const int32_t v[3][2], bool small, const struct raster_vertex attributes[3],
+                      struct raster_stats *stats)
 {
     static const struct scene_triangle triangle = {{0, 1, 2}};
-    struct raster_stats stats = {0};
     struct raster_vertex general[3];
     struct raster_small packed[3];
     for (int i = 0; i < 3; i++) {
@@ -47,11 +47,17 @@ static void draw(const int32_t v[3][2], bool small, const struct raster_vertex a
                                           a->inv_w, ((uint32_t)a->u & 0xffff) | (uint32_t)a->v << 16};
     }
     triangles++;
-    memset(tile.surface, 0, sizeof tile.surface);
     if (small)
-        raster_draw_small(&tile, packed, &triangle, 1, 1, &stats);
+        raster_draw_small(&tile, packed, &triangle, 1, 1, stats);
     else
-        raster_draw_general(&tile, &general[0], &general[1], &general[2], 1, &stats);
+        raster_draw_general(&tile, &general[0], &general[1], &general[2], 1, stats);
+}
+
+static void draw(const int32_t v[3][2], bool small, const struct raster_vertex attributes[3])
+{
+    struct raster_stats stats = {0};
+    memset(tile.surface, 0, sizeof tile.surface);
+    draw_over(v, small, attributes, &stats);
 }
 
 /* How far the surface is from linear interpolation, in the units of its depth and of its normal's coordinates. */
@@ -120,9 +126,18 @@ static void check(const int32_t v[3][2])
     }
 }
 
+/* How many times as many random cases as usual, from other seeds: GONIOTILE_LONG=1 asks for more than 10^9 decisions of each kind. */
+static int rounds(void)
+{
+    static int n;
+    if (!n)
+        n = getenv("GONIOTILE_LONG") ? 12 : 1;
+    return n;
+}
+
 static void begin(uint64_t seed)
 {
-    random_state = seed;
+    random_state = seed + (rounds() > 1 ? 1000 : 0);
     decisions = covered_pixels = triangles = 0;
     worst_depth = worst_normal = 0;
 }
@@ -145,7 +160,7 @@ static void triangles_of_every_small_size_cover_exactly(void **state)
 {
     (void)state;
     begin(2);
-    for (int n = 0; n < 20000; n++) {
+    for (int n = 0; n < 20000 * rounds(); n++) {
         int32_t v[3][2], extent = (SMALL_EXTENT - 1) >> random_in(0, 13);
         random_near(v[0], 2048, random_in(0, 8));
         for (int i = 1; i < 3; i++)
@@ -160,7 +175,7 @@ static void triangles_across_the_guard_band_cover_exactly(void **state)
 {
     (void)state;
     begin(3);
-    for (int n = 0; n < 12000; n++) {
+    for (int n = 0; n < 12000 * rounds(); n++) {
         int32_t v[3][2], centre[2], extent = GUARD >> random_in(0, 6);
         for (int j = 0; j < 2; j++)
             centre[j] = random_in(-CENTRE_MAX, CENTRE_MAX);
@@ -181,7 +196,7 @@ static void vertices_on_pixel_centres_cover_exactly(void **state)
 {
     (void)state;
     begin(4);
-    for (int n = 0; n < 8000; n++) {
+    for (int n = 0; n < 8000 * rounds(); n++) {
         int32_t v[3][2];
         for (int i = 0; i < 3; i++)
             random_near(v[i], n & 1 ? 256 : 4096, 0);
@@ -204,11 +219,58 @@ static void vertices_on_pixel_centres_cover_exactly(void **state)
     end("pixel centres");
 }
 
+/* Compares around the first pixels only; a pixel drawn elsewhere is a failure, too. */
+static void check_corner(const int32_t v[3][2], bool small)
+{
+    enum { REACH = 4 };
+    struct ref_triangle t;
+    struct raster_stats stats = {0};
+    int expected = 0;
+    ref_triangle_setup(&t, v);
+    for (int y = 0; y < REACH; y++)
+        memset(&tile.surface[y * TILE_W], 0, REACH * sizeof tile.surface[0]);
+    draw_over(v, small, flat, &stats);
+    for (int y = 0; y < REACH; y++)
+        for (int x = 0; x < REACH; x++) {
+            bool inside = ref_triangle_covers(&t, x, y);
+            expected += inside;
+            decisions++;
+            if ((tile.surface[y * TILE_W + x].depth_slot != 0) != inside)
+                fail_msg("pixel (%d, %d): (%d, %d) (%d, %d) (%d, %d) %s path", x, y, v[0][0], v[0][1], v[1][0], v[1][1],
+                         v[2][0], v[2][1], small ? "small" : "general");
+        }
+    covered_pixels += expected;
+    assert_int_equal(stats.tested, expected);
+}
+
+/* Every triangle whose vertices lie on or one 1/256 px off the centres of 3 x 3 pixels, the first of them the tile's own. */
+static void every_triangle_about_pixel_centres_covers_exactly(void **state)
+{
+    (void)state;
+    enum { POINTS = 81 };
+    int32_t point[POINTS][2];
+    begin(11);
+    for (int i = 0; i < POINTS; i++) {
+        int x = i % 9, y = i / 9;
+        point[i][0] = 128 + 256 * (x / 3) + x % 3 - 1;
+        point[i][1] = 128 + 256 * (y / 3) + y % 3 - 1;
+    }
+    for (int code = 0; code < POINTS * POINTS * POINTS; code++) {
+        int32_t v[3][2];
+        memcpy(v[0], point[code % POINTS], sizeof v[0]);
+        memcpy(v[1], point[code / POINTS % POINTS], sizeof v[1]);
+        memcpy(v[2], point[code / POINTS / POINTS], sizeof v[2]);
+        check_corner((const int32_t(*)[2])v, false);
+        check_corner((const int32_t(*)[2])v, true);
+    }
+    end("about pixel centres");
+}
+
 static void slivers_cover_exactly(void **state)
 {
     (void)state;
     begin(5);
-    for (int n = 0; n < 10000; n++) {
+    for (int n = 0; n < 10000 * rounds(); n++) {
         int32_t v[3][2], margin = n & 1 ? 2048 : GUARD / 2;
         random_near(v[0], margin, 8);
         random_near(v[1], margin, 8);
@@ -225,7 +287,7 @@ static void triangles_without_area_draw_nothing(void **state)
 {
     (void)state;
     begin(6);
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < 2000 * rounds(); n++) {
         int32_t v[3][2], k = random_in(-3, 3);
         random_near(v[0], 512, n & 1 ? 0 : 8);
         random_near(v[1], 512, n & 1 ? 0 : 8);
@@ -258,7 +320,7 @@ static void random_triangle(int32_t v[3][2], struct raster_vertex a[3], bool sma
 
 static void check_interpolation(bool small, double ratio)
 {
-    for (int n = 0; n < 40000; n++) {
+    for (int n = 0; n < 40000 * rounds(); n++) {
         int32_t v[3][2];
         struct raster_vertex a[3];
         random_triangle(v, a, small, ratio);
@@ -288,7 +350,7 @@ static void pixels_do_not_depend_on_the_tile(void **state)
     (void)state;
     static struct raster_surface first[TILE_W * TILE_H];
     begin(10);
-    for (int n = 0; n < 60000; n++) {
+    for (int n = 0; n < 60000 * rounds(); n++) {
         bool small = n & 1;
         int32_t v[3][2], moved[3][2], by[2] = {random_in(-TILE_W + 1, TILE_W - 1), random_in(-TILE_H + 1, TILE_H - 1)};
         struct raster_vertex a[3];
@@ -339,7 +401,7 @@ static void meshes_cover_every_pixel_once(void **state)
 {
     (void)state;
     begin(7);
-    for (int n = 0; n < 150; n++) {
+    for (int n = 0; n < 150 * rounds(); n++) {
         static int count[TILE_H][TILE_W];
         int32_t grid[GRID][GRID][2], lo[2], step[2];
         for (int j = 0; j < 2; j++) {
@@ -375,6 +437,7 @@ int main(void)
         cmocka_unit_test(triangles_of_every_small_size_cover_exactly),
         cmocka_unit_test(triangles_across_the_guard_band_cover_exactly),
         cmocka_unit_test(vertices_on_pixel_centres_cover_exactly),
+        cmocka_unit_test(every_triangle_about_pixel_centres_covers_exactly),
         cmocka_unit_test(slivers_cover_exactly),
         cmocka_unit_test(triangles_without_area_draw_nothing),
         cmocka_unit_test(interpolation_stays_near_double),
