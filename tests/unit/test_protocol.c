@@ -474,7 +474,7 @@ static void values_out_of_range_are_refused(void **state)
     assert_int_equal(set(d, USB_SET_LIGHT, beyond, sizeof beyond), USB_ERR_VALUE);
     memset(zeros, 0xff, sizeof zeros);
     assert_int_equal(set(d, USB_SET_OUTPUT, zeros, sizeof(struct scene_output)), USB_ERR_VALUE);
-    number = 2;
+    number = 3;
     assert_int_equal(set(d, USB_SET_MODEL, &number, 4), USB_ERR_VALUE);
     assert_int_equal(ask(d, USB_MSG_STATS, &number, 4, NULL), USB_ERR_VALUE);
     assert_int_equal(frame(d, now, NULL), USB_OK);
