@@ -91,6 +91,18 @@ static inline struct raster_normal raster_decode_normal(const struct raster_surf
     return n;
 }
 
+/* A surface's normal in eye space, Q15: of unit length by construction, whatever its coordinates were interpolated to. */
+static inline struct vec3 raster_eye_normal(const struct raster_slot *slot, const struct raster_surface *s)
+{
+    struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
+    int32_t x = (n.u * n.m + (1 << 12)) >> 13, y = (n.v * n.m + (1 << 12)) >> 13;
+    int32_t z = ((n.d * n.m + (1 << 12)) >> 13) - 32768;
+    const int16_t *f = slot->frame; /* Q14: sums <= sqrt(3) * 2^29 */
+    return (struct vec3){(f[0] * x + f[1] * y + f[2] * z + (1 << 13)) >> 14,
+                         (f[3] * x + f[4] * y + f[5] * z + (1 << 13)) >> 14,
+                         (f[6] * x + f[7] * y + f[8] * z + (1 << 13)) >> 14};
+}
+
 /* transform.c */
 void raster_object_setup(struct raster_object *o, const struct raster_frame *f, const struct scene_object *so);
 void raster_view_setup(struct raster_view *v, const struct scene_camera *c, uint16_t width, uint16_t height);
@@ -168,6 +180,12 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene
 uint32_t raster_shade_blinn_phong(struct raster_batch *b, const struct scene_material *m,
                                   const struct raster_light *light);
 void raster_finish_blinn_phong(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
+
+/* blinn_phong_run.c: the same for a run of pixels of one slot, from (x, y) on the screen and s on, finished radiance into the batch's,
+ * from its start; at most RASTER_BATCH pixels. Only for materials that the first function says it is for. */
+bool raster_has_blinn_phong_run(const struct raster *r, const struct scene_material *m);
+void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+                                  const struct raster_surface *s, uint32_t x, uint32_t y, uint32_t count);
 
 /* diffuse.c: Lafortune-Phong without a specular lobe, which needs neither the view nor the normal in eye space. */
 static inline bool raster_is_diffuse(const struct scene_material *m)

@@ -82,18 +82,6 @@ static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32
         put_pixel(o, x + i, y, values[i], 1);
 }
 
-/* A surface's normal in eye space, Q15: of unit length by construction, whatever its coordinates were interpolated to. */
-static struct vec3 eye_normal(const struct raster_slot *slot, const struct raster_surface *s)
-{
-    struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
-    int32_t x = (n.u * n.m + (1 << 12)) >> 13, y = (n.v * n.m + (1 << 12)) >> 13;
-    int32_t z = ((n.d * n.m + (1 << 12)) >> 13) - 32768;
-    const int16_t *f = slot->frame; /* Q14: sums <= sqrt(3) * 2^29 */
-    return (struct vec3){(f[0] * x + f[1] * y + f[2] * z + (1 << 13)) >> 14,
-                         (f[3] * x + f[4] * y + f[5] * z + (1 << 13)) >> 14,
-                         (f[6] * x + f[7] * y + f[8] * z + (1 << 13)) >> 14};
-}
-
 /* Adds c * 2^e * irradiance to an accumulator with 20 fraction bits, saturating. c < 2^21, irradiance uq16_16. */
 static inline uq12_20_t add_radiance(uq12_20_t sum, uint32_t c, int32_t e, uq16_16_t irradiance)
 {
@@ -156,7 +144,7 @@ static void gather_pixel(const struct output *o, const struct raster_slot *slot,
     unsigned to_pixel = o->target == TARGET_RESOLVE;
     b->pixel[i] = (uint16_t)(y * RASTER_TILE_WIDTH + x);
     b->weight[i] = (uint8_t)weight;
-    b->normal[i] = eye_normal(slot, sample);
+    b->normal[i] = raster_eye_normal(slot, sample);
     b->view[i] = raster_view_vector(o->r, o->x0 + (x >> (shift | to_pixel)), o->y0 + (y >> (shift | to_pixel)));
     b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }
@@ -178,6 +166,19 @@ static void diffuse_run(const struct output *o, const struct raster_slot *slot, 
     if (b->count)
         flush(o, stats);
     raster_shade_diffuse(b, o->r, slot, o->t->surface + y * RASTER_TILE_WIDTH + x, count);
+    raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
+    put_run(o, x, y, b->radiance[0], count);
+    stats->shaded += count * o->r->frame.light_count;
+}
+
+/* And for Blinn-Phong where it is computed run by run. */
+static void blinn_phong_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y,
+                            uint32_t count, struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    if (b->count)
+        flush(o, stats);
+    raster_shade_blinn_phong_run(b, o->r, slot, o->t->surface + y * RASTER_TILE_WIDTH + x, o->x0 + x, o->y0 + y, count);
     raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
     put_run(o, x, y, b->radiance[0], count);
     stats->shaded += count * o->r->frame.light_count;
@@ -225,6 +226,8 @@ static void shade_rows(const struct output *o, struct raster_stats *stats)
             const struct raster_slot *info = &o->t->slots[slot];
             if (raster_is_diffuse(&r->frame.materials[info->material]) && !r->sample_shift)
                 diffuse_run(o, info, x, y, count, stats);
+            else if (raster_has_blinn_phong_run(r, &r->frame.materials[info->material]) && !r->sample_shift)
+                blinn_phong_run(o, info, x, y, count, stats);
             else
                 gather_run(o, info, x, y, count, stats);
             x += count;

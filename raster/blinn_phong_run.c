@@ -1,0 +1,181 @@
+/*
+ * Blinn-Phong for exponents 2, 4, ... 64, a run of pixels at a time: the comparison frame's kernel.
+ *
+ * r is the ray towards the eye in the unit that raster_view has, p = |r|, v = r/p. No direction is normalised:
+ *   (n.h)^2 = (n.l + n.v)^2 / |l+v|^2 = (p n.l + n.r)^2 / (2 p (p + l.r)),
+ * one 32-bit division; the exponent's half is reached by squaring. l.r is linear along a row.
+ * Errors: (n.h)^2 within 2^-15, the lobe at exponent 32 within 2^-10; lobes below 2^-16 count as nothing.
+ */
+#include "internal.h"
+#include "func.h"
+
+#define MAX_SQUARINGS 5
+#define MIN_AXIS      (1 << 14) /* rays at most three times as long as the axis, see ray_length */
+#define MAX_LIGHT     (1 << 27) /* 128 display whites */
+
+/* log2(exponent / 2), or more than MAX_SQUARINGS. */
+static uint32_t squarings_of(uq16_16_t exponent)
+{
+    return exponent >= 2 << 16 && !(exponent & (exponent - 1)) ? 14 - fx_clz(exponent) : MAX_SQUARINGS + 1;
+}
+
+bool raster_has_blinn_phong_run(const struct raster *r, const struct scene_material *m)
+{
+    return m->kind == SCENE_MATERIAL_BLINN_PHONG && squarings_of(m->exponent) <= MAX_SQUARINGS &&
+           r->view.axis >= MIN_AXIS;
+}
+
+struct run_light {
+    struct vec3 l; /* eye space, Q15 */
+    int32_t row;   /* l.r but for r's x component */
+    int32_t e[3];  /* irradiance/pi, 20 fraction bits, <= MAX_LIGHT */
+};
+
+struct run {
+    const struct raster_slot *slot;
+    const struct raster_surface *s, *end;
+    int32_t fine_x; /* r's x component at the first pixel, negated, with VIEW_STEP_BITS fraction bits */
+    int32_t step;
+    int32_t y, z; /* r's other components */
+    uint32_t squarings;
+    uint32_t kd[3], ks[3]; /* 1.0 = 2^32 - 1 and 2^30 */
+    int32_t ambient;       /* 18 fraction bits */
+    const struct run_light *lights_end;
+    struct run_light light[SCENE_MAX_LIGHTS];
+};
+
+/* The same number: hides from the compiler that it is the half of a 64-bit product, which it would go on to multiply as such. */
+static inline uint32_t narrow(uint32_t x)
+{
+    __asm__("" : "+r"(x));
+    return x;
+}
+
+/* sqrt(w) * 2^15, relative error below 2^-16. In: w in axis^2 .. 9 axis^2, slope = 2^32 * 0.268 / axis: a chord that is within 7 %,
+ * then two of Heron's steps, of which the last keeps its half. */
+static inline uint32_t ray_length(uint32_t w, uint32_t start, uint32_t slope)
+{
+    uint32_t g = start + fx_mulhi_u(w, slope);
+    g = (g + w / g) >> 1;
+    return (g + w / g) << 14; /* < 2^31 */
+}
+
+/* (n.h)^exponent, 1.0 = 2^32. In: num/den = (n.h)^2 / 2 but for rounding, num >= 0, den >= 2^10. */
+static inline uint32_t lobe(uint32_t num, uint32_t den, uint32_t squarings)
+{
+    unsigned z = fx_clz(den);
+    int32_t q = (int32_t)((num << z) / (den << z >> 16)); /* Q15 */
+    uint32_t p = (uint32_t)fx_clamp(q, 0, 32767) << 17;
+    switch (squarings) {
+    case 5:
+        p = narrow(fx_mulhi_u(p, p)); /* fall through */
+    case 4:
+        p = narrow(fx_mulhi_u(p, p)); /* fall through */
+    case 3:
+        p = narrow(fx_mulhi_u(p, p)); /* fall through */
+    case 2:
+        p = narrow(fx_mulhi_u(p, p)); /* fall through */
+    case 1:
+        p = narrow(fx_mulhi_u(p, p)); /* fall through */
+    default:
+        return p;
+    }
+}
+
+/* 18 fraction bits in, 20 out. d + s is below 2^31 with 16 lights of MAX_LIGHT. */
+static inline uq12_20_t reflected(uint32_t kd, int32_t d, uint32_t ks, uint32_t s)
+{
+    int32_t sum = (int32_t)(fx_mulhi_u(kd, (uint32_t)d) + fx_mulhi_u(ks, s));
+    return (uint32_t)fx_clamp(sum, 0, (1 << 18) - 1) << 2;
+}
+
+/* `coloured`: whether a light is not white. Compiled once for each. */
+__attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, const struct run *run,
+                                                               const bool coloured)
+{
+    const uint32_t yz = (uint32_t)(run->y * run->y) + (uint32_t)(run->z * run->z);
+    const uint32_t start = (uint32_t)run->z * 52691u >> 16, slope = 1151051235u / (uint32_t)run->z; /* 0.804, 0.268 */
+    const uint32_t negligible = (32u >> (run->squarings + 1)) + 1; /* lobe < 2^-16 where (n.h)^2 / 2 < 2^-negligible */
+    int32_t fine_x = run->fine_x;
+    for (const struct raster_surface *s = run->s; s != run->end; s++, out += 3, fine_x += run->step) {
+        struct vec3 n = raster_eye_normal(run->slot, s);
+        int32_t rx = fine_x >> VIEW_STEP_BITS;
+        int32_t p = (int32_t)ray_length((uint32_t)(rx * rx) + yz, start, slope);
+        int32_t nr = (n.y * run->y + n.z * run->z - n.x * rx) >> 2; /* |n.r| <= 2^30.8; 2^13 */
+        int32_t d0 = run->ambient, d1 = d0, d2 = d0;                /* diffuse light, 18 fraction bits */
+        uint32_t s0 = 0, s1 = 0, s2 = 0;                            /* in the lobes, 20 */
+        for (const struct run_light *l = run->light; l != run->lights_end; l++) {
+            int32_t nl = fx_dot(n, l->l), lambert = fx_max(nl, 0);
+            int32_t x = fx_mulhi(nl, p) + nr; /* 2^13: < 2^29.8 */
+            d0 += fx_mulhi(lambert, l->e[0]);
+            if (coloured) {
+                d1 += fx_mulhi(lambert, l->e[1]);
+                d2 += fx_mulhi(lambert, l->e[2]);
+            }
+            if (x <= 0)
+                continue;
+            uint32_t num = fx_mulhi_u((uint32_t)x << 2, (uint32_t)x << 1); /* (p n.l + n.r)^2 / 8 */
+            uint32_t den =
+                fx_mulhi_u((uint32_t)p << 1, (uint32_t)(p + l->row - l->l.x * rx)) + 1024; /* p (p + l.r) / 2 */
+            if (num < den >> negligible)
+                continue;
+            uint32_t power = lobe(num, den, run->squarings);
+            s0 += fx_mulhi_u((uint32_t)l->e[0], power);
+            if (coloured) {
+                s1 += fx_mulhi_u((uint32_t)l->e[1], power);
+                s2 += fx_mulhi_u((uint32_t)l->e[2], power);
+            }
+        }
+        out[0] = reflected(run->kd[0], d0, run->ks[0], s0);
+        out[1] = reflected(run->kd[1], coloured ? d1 : d0, run->ks[1], coloured ? s1 : s0);
+        out[2] = reflected(run->kd[2], coloured ? d2 : d0, run->ks[2], coloured ? s2 : s0);
+    }
+}
+
+static void colour_setup(struct raster_batch *b, const struct raster *r, uint32_t material)
+{
+    b->diffuse_material = material + 1;
+    for (unsigned i = 0; i < r->frame.light_count; i++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t e = raster_diffuse_colour(1 << 16, r->lights[i].irradiance[k]);
+            b->diffuse_colour[i][k] = e < MAX_LIGHT ? e : MAX_LIGHT;
+        }
+}
+
+void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+                                  const struct raster_surface *s, uint32_t x, uint32_t y, uint32_t count)
+{
+    const struct scene_material *m = &r->frame.materials[slot->material];
+    const struct raster_view *v = &r->view;
+    struct run run;
+    if (b->diffuse_material != slot->material + 1u)
+        colour_setup(b, r, slot->material);
+    run.slot = slot;
+    run.s = s;
+    run.end = s + count;
+    run.fine_x = (2 * (int32_t)x + 1 - r->frame.width) * v->step;
+    run.y = ((2 * (int32_t)y + 1 - r->frame.height) * v->step) >> VIEW_STEP_BITS;
+    run.z = v->axis;
+    run.step = 2 * v->step;
+    run.squarings = squarings_of(m->exponent);
+    run.ambient = (int32_t)fx_mulhi_u(r->frame.output->exposure, 343597384); /* 0.02 * 2^2 */
+    for (int k = 0; k < 3; k++) {
+        run.kd[k] = (m->kd[k] << 16) - (m->kd[k] >> 16);
+        run.ks[k] = m->ks[k] << 14;
+    }
+    run.lights_end = run.light + r->frame.light_count;
+    uint32_t coloured = 0;
+    struct run_light *l = run.light;
+    for (uint32_t i = 0; l != run.lights_end; i++, l++) {
+        const uint32_t *e = b->diffuse_colour[i];
+        l->l = r->lights[i].direction;
+        l->row = l->l.y * run.y + l->l.z * run.z; /* 2^15 * 2^15.8 */
+        for (int k = 0; k < 3; k++)
+            l->e[k] = (int32_t)e[k];
+        coloured |= (e[0] ^ e[1]) | (e[0] ^ e[2]);
+    }
+    if (coloured)
+        shade_pixels(b->radiance[0], &run, true);
+    else
+        shade_pixels(b->radiance[0], &run, false);
+}
