@@ -20,8 +20,8 @@
 #define BOARD_WIDTH            320u
 #define BOARD_HEIGHT           240u
 #define BOARD_SLOTS            7u
-#define BOARD_SCENE_BANK_BYTES (512u << 10)
-#define BOARD_TABLE_BANK_BYTES (1152u << 10)
+#define BOARD_SCENE_BANK_BYTES (1024u << 10)
+#define BOARD_TABLE_BANK_BYTES (1056u << 10)
 #define BOARD_FLASH_BYTES      (2 * BOARD_SCENE_BANK_BYTES + 2 * (BOARD_SLOTS - 1) * BOARD_TABLE_BANK_BYTES)
 
 /* From the linker script. External memory: a flash image or other input at its start, preloaded by the emulator,

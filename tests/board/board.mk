@@ -55,9 +55,10 @@ $(eval $(call BOARD_PROGRAMS,rv32imac,-march=rv32imac -Wl$(COMMA)--no-warn-rwx-s
 # The smallest device: the firmware with scene and table built in, tiles of 32 x 32.
 $(eval $(call BOARD_TARGET,lm3s6965,arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -DRASTER_TILE_WIDTH=32 -DRASTER_TILE_HEIGHT=32,\
     hal/emulated/cortex_m.c $(wildcard hal/lm3s6965/*.c)))
+# One level of detail: the bank is small.
 $(B)/board/oled.blob: host_tools/scenes/oled.json $(B)/gtscene
 	@mkdir -p $(@D)
-	$(B)/gtscene build $< -o $@
+	$(B)/gtscene build $< -o $@ --no-lod
 $(B)/board/gold_91x46.ktx2: $(B)/demo/gold.csv $(B)/gtlut
 	@mkdir -p $(@D)
 	$(B)/gtlut build $< -o $@ --size 91x46
@@ -95,11 +96,11 @@ $(B)/board/six_models_lafortune.json: host_tools/scenes/six_models.json
 $(B)/board/six_models_lafortune.blob: $(B)/board/six_models_lafortune.json $(B)/gtscene
 	$(B)/gtscene build $< -o $@
 BOARD_TABLES := $(MATERIALS:%=$(B)/demo/%.ktx2)
-# Banks of 128 and 288 blocks: as hal/emulated/board.h says.
+# Banks of 256 and 264 blocks: as hal/emulated/board.h says.
 $(B)/board/measured.img: $(B)/demo/six_models.blob
 $(B)/board/lafortune_phong.img: $(B)/board/six_models_lafortune.blob
 $(B)/board/measured.img $(B)/board/lafortune_phong.img: $(B)/board/make_image $(BOARD_TABLES)
-	$(B)/board/make_image $@ 128 288 $(filter %.blob,$^) $(BOARD_TABLES)
+	$(B)/board/make_image $@ 256 264 $(filter %.blob,$^) $(BOARD_TABLES)
 
 # The pictures' hash on the host: by each compiler, at each level, with sanitizers, with each tile size. All sources at once,
 # since no object may be shared.
