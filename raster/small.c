@@ -121,11 +121,12 @@ FX_NOINLINE static void make_plane(struct plane *p, const struct gradient *g, ui
  * attribute e changes by
  *   256 (e1 dy2 - e2 dy1)/area = (e1 K2 - e2 K1) 2^(lead-37),
  * which is the high word of the sum << (lead-3) when e comes pre-scaled by 2^n and the result has n+2 fraction bits.
- * False for a triangle thinner than a pixel, an edge longer than area/256, that is |K| >= 2^(37-lead). Otherwise |gradient| <= 2 |e|,
- * and the high word's rounding, at most 2^(lead-3) a pixel over at most 2^(16-lead) px, adds up to below 2^14 of the
- * result's units: 64 of the depth's, one of a normal's. Rounding the depth's gradients to whole units adds as much.
+ * Returns t = 0 for a triangle at least a pixel thick, no edge longer than area/256, that is all |K| < 2^(37-lead), and otherwise the least t
+ * with |K| < 2^(37-lead+t). Then |gradient| <= 2^(t+1) |e|, and the high word's rounding, at most 2^(lead-3) a pixel over at
+ * most 2^(16-lead+t) px, adds up to below 2^(14+t) of the result's units: 64 << t of the depth's, 1 << t of a normal's. Rounding the
+ * depth's gradients to whole units adds as much as 64.
  */
-static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area)
+static inline unsigned make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area)
 {
     unsigned lead = fx_clz(area); /* 4..31 */
     int32_t q = (int32_t)raster_recip(area << lead);
@@ -136,7 +137,7 @@ static inline bool make_gradient(struct gradient *g, uint32_t a, uint32_t b, uin
     g->shift = lead - 3;
     uint32_t all = (uint32_t)((g->dx1 ^ g->dx1 >> 31) | (g->minus_dy1 ^ g->minus_dy1 >> 31) |
                               (g->minus_dx2 ^ g->minus_dx2 >> 31) | (g->dy2 ^ g->dy2 >> 31)); /* < 2^28 */
-    return lead <= 9 || all >> (37 - lead) == 0;
+    return lead <= 9 || all >> (37 - lead) == 0 ? 0 : lead - fx_clz(all) - 5;
 }
 
 static struct raster_vertex unpack(const struct raster_small *s)
@@ -145,10 +146,17 @@ static struct raster_vertex unpack(const struct raster_small *s)
                                   (int16_t)high(s->uv)};
 }
 
-/* A normal's coordinate changes by less than 2^13 from vertex a, so that its gradient fits with 16 fraction bits. */
-static inline bool is_smooth(int32_t e1, int32_t e2)
+/* |x| < 2^bits, or x = -2^bits. */
+static inline bool fits(int32_t x, unsigned bits)
 {
-    return ((uint32_t)(e1 + (1 << 13)) | (uint32_t)(e2 + (1 << 13))) < 1u << 14;
+    return (uint32_t)(x + (1 << bits)) < 2u << bits;
+}
+
+/* A triangle down to a quarter of a pixel thick, t of make_gradient, whose attributes change little enough for its gradients. */
+FX_NOINLINE static bool thin_fits(unsigned t, const int32_t e[4], int32_t d1, int32_t d2)
+{
+    return t <= 2 && fits(e[0], 13 - t) && fits(e[1], 13 - t) && fits(e[2], 13 - t) && fits(e[3], 13 - t) &&
+           fits(d1, 21 - t) && fits(d2, 21 - t);
 }
 
 /* In: count > 0. */
@@ -176,7 +184,11 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
     int32_t u0 = low(a->uv), u1 = low(b->uv) - u0, u2 = low(c->uv) - u0;
     int32_t v0 = high(a->uv), v1 = high(b->uv) - v0, v2 = high(c->uv) - v0;
     struct gradient g;
-    if (!is_smooth(u1, u2) || !is_smooth(v1, v2) || !make_gradient(&g, a->xy, b->xy, c->xy, area)) {
+    int32_t d1 = (int32_t)(b->inv_w - a->inv_w), d2 = (int32_t)(c->inv_w - a->inv_w); /* <= SMALL_DEPTH */
+    unsigned t_thin = make_gradient(&g, a->xy, b->xy, c->xy, area);
+    /* Coordinates that change by less than 2^13: their gradients fit with 16 fraction bits. */
+    bool smooth = fits(u1, 13) && fits(u2, 13) && fits(v1, 13) && fits(v2, 13);
+    if (!smooth || (t_thin && !thin_fits(t_thin, (const int32_t[4]){u1, u2, v1, v2}, d1, d2))) {
         const struct raster_vertex va = unpack(a), vb = unpack(b), vc = unpack(c);
         raster_fill_general(t, &va, &vb, &vc, area, slot, stats);
         return;
@@ -188,8 +200,7 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
     /* Depth 24.8 in whole units, |d| <= SMALL_DEPTH: the byte below holds the slot and is not touched by the steps. Normals Q14, plus
      * half a unit, with 16 more bits. */
     struct plane d, u, v;
-    make_plane(&d, &g, (a->inv_w + DEPTH_BIAS) << 8, (int32_t)(b->inv_w - a->inv_w) * 64,
-               (int32_t)(c->inv_w - a->inv_w) * 64, ~(uint32_t)255);
+    make_plane(&d, &g, (a->inv_w + DEPTH_BIAS) << 8, d1 * 64, d2 * 64, ~(uint32_t)255);
     make_plane(&u, &g, ((uint32_t)u0 << 16) + (1 << 15), u1 * 16384, u2 * 16384, UINT32_MAX);
     make_plane(&v, &g, ((uint32_t)v0 << 16) + (1 << 15), v1 * 16384, v2 * 16384, UINT32_MAX);
     d.value = (d.value & ~(uint32_t)255) | slot;

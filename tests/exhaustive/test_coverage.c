@@ -329,7 +329,7 @@ static void check_interpolation(bool small, double ratio)
     }
 }
 
-/* Depth, of 2^23, errs by 128 units and a normal's coordinates, of 2^14, by two: what rounded gradients may add up to. */
+/* Depth, of 2^23, errs by 320 units and a normal's coordinates, of 2^14, by five: what rounded gradients may add up to. */
 static void interpolation_stays_near_double(void **state)
 {
     (void)state;
@@ -339,8 +339,8 @@ static void interpolation_stays_near_double(void **state)
             check_interpolation(small, ratio);
         end(small ? "small interpolation" : "general interpolation");
         print_message("# worst error: depth %.2f units, normal %.2f units\n", worst_depth, worst_normal);
-        assert_true(worst_depth <= 128);
-        assert_true(worst_normal <= 2);
+        assert_true(worst_depth <= 320);
+        assert_true(worst_normal <= 5);
     }
 }
 
