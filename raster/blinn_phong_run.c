@@ -11,7 +11,9 @@
 
 #define MAX_SQUARINGS 5
 #define MIN_AXIS      (1 << 14) /* rays at most three times as long as the axis, see ray_length */
-#define MAX_LIGHT     (1 << 27) /* 128 display whites */
+#define WHITE         (1u << 20)
+#define SHRINK_BITS   9          /* SHRINK = 1 / (1 + 2^-9) */
+#define MAX_LIGHT     (1u << 25) /* 32 display whites */
 
 /* log2(exponent / 2), or more than MAX_SQUARINGS. */
 static uint32_t squarings_of(uq16_16_t exponent)
@@ -27,24 +29,26 @@ bool raster_has_blinn_phong_run(const struct raster *r, const struct scene_mater
 
 struct run_light {
     struct vec3 l; /* eye space, Q15 */
-    int32_t row;   /* l.r but for r's x component */
-    int32_t e[3];  /* irradiance/pi, 20 fraction bits, <= MAX_LIGHT */
+    int32_t row;   /* l.r but for r's x component, and a little more lest p + l.r be 0 for l = -v */
+    int32_t e[3];  /* irradiance/pi, 22 fraction bits, <= MAX_LIGHT << 2 */
 };
 
 struct run {
-    const struct raster_slot *slot;
+    int32_t frame[9]; /* the meshlet's axes in eye space, Q19 */
+    uint32_t normal_shift;
     const struct raster_surface *s, *end;
     int32_t fine_x; /* r's x component at the first pixel, negated, with VIEW_STEP_BITS fraction bits */
     int32_t step;
     int32_t y, z; /* r's other components */
     uint32_t squarings;
     uint32_t kd[3], ks[3]; /* 1.0 = 2^32 - 1 and 2^30 */
-    int32_t ambient;       /* 18 fraction bits */
+    uint32_t ambient;      /* 20 fraction bits */
     const struct run_light *lights_end;
     struct run_light light[SCENE_MAX_LIGHTS];
 };
 
-/* The same number: hides from the compiler that it is the half of a 64-bit product, which it would go on to multiply as such. */
+/* The same number, of which the compiler knows nothing: not that it is the half of a 64-bit product, which it would go on to multiply
+ * as such, nor that what follows could be computed earlier. */
 static inline uint32_t narrow(uint32_t x)
 {
     __asm__("" : "+r"(x));
@@ -60,12 +64,12 @@ static inline uint32_t ray_length(uint32_t w, uint32_t start, uint32_t slope)
     return (g + w / g) << 14; /* < 2^31 */
 }
 
-/* (n.h)^exponent, 1.0 = 2^32. In: num/den = (n.h)^2 / 2 but for rounding, num >= 0, den >= 2^10. */
+/* (n.h)^exponent * SHRINK^(exponent / 2), 1.0 = 2^32. In: 16 num/den = (n.h)^2 * SHRINK but for rounding, below 1 however inexact
+ * the scene's unit vectors are; den > 0. */
 static inline uint32_t lobe(uint32_t num, uint32_t den, uint32_t squarings)
 {
     unsigned z = fx_clz(den);
-    int32_t q = (int32_t)((num << z) / (den << z >> 16)); /* Q15 */
-    uint32_t p = (uint32_t)fx_clamp(q, 0, 32767) << 17;
+    uint32_t p = (num << 3 << z) / (den << z >> 16) << 17;
     switch (squarings) {
     case 5:
         p = narrow(fx_mulhi_u(p, p)); /* fall through */
@@ -82,11 +86,22 @@ static inline uint32_t lobe(uint32_t num, uint32_t den, uint32_t squarings)
     }
 }
 
-/* 18 fraction bits in, 20 out. d + s is below 2^31 with 16 lights of MAX_LIGHT. */
-static inline uq12_20_t reflected(uint32_t kd, int32_t d, uint32_t ks, uint32_t s)
+/* 20 fraction bits in d, 22 in s, which with 16 lights of MAX_LIGHT are below 2^29 and 2^31. */
+static inline uq12_20_t reflected(uint32_t kd, uint32_t d, uint32_t ks, uint32_t s)
 {
-    int32_t sum = (int32_t)(fx_mulhi_u(kd, (uint32_t)d) + fx_mulhi_u(ks, s));
-    return (uint32_t)fx_clamp(sum, 0, (1 << 18) - 1) << 2;
+    uint32_t sum = (uint32_t)(((uint64_t)kd * d + (uint64_t)ks * s) >> 32);
+    return sum < WHITE ? sum : WHITE;
+}
+
+/* What raster_eye_normal returns, rounded down. */
+static inline struct vec3 eye_normal(const struct run *run, const struct raster_surface *s)
+{
+    struct raster_normal n = raster_decode_normal(s, run->normal_shift);
+    int32_t x = n.u * n.m, y = n.v * n.m, z = n.d * n.m - (1 << 28); /* Q28: <= 2^28.1 */
+    const int32_t *f = run->frame;
+    return (struct vec3){(int32_t)(((int64_t)f[0] * x + (int64_t)f[1] * y + (int64_t)f[2] * z) >> 32),
+                         (int32_t)(((int64_t)f[3] * x + (int64_t)f[4] * y + (int64_t)f[5] * z) >> 32),
+                         (int32_t)(((int64_t)f[6] * x + (int64_t)f[7] * y + (int64_t)f[8] * z) >> 32)};
 }
 
 /* `coloured`: whether a light is not white. Compiled once for each. */
@@ -95,31 +110,30 @@ __attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, c
 {
     const uint32_t yz = (uint32_t)(run->y * run->y) + (uint32_t)(run->z * run->z);
     const uint32_t start = (uint32_t)run->z * 52691u >> 16, slope = 1151051235u / (uint32_t)run->z; /* 0.804, 0.268 */
-    const uint32_t negligible = (32u >> (run->squarings + 1)) + 1; /* lobe < 2^-16 where (n.h)^2 / 2 < 2^-negligible */
+    const uint32_t negligible = (32u >> (run->squarings + 1)) + 4; /* lobe < 2^-16 where (n.h)^2 / 16 < 2^-negligible */
     int32_t fine_x = run->fine_x;
     for (const struct raster_surface *s = run->s; s != run->end; s++, out += 3, fine_x += run->step) {
-        struct vec3 n = raster_eye_normal(run->slot, s);
+        struct vec3 n = eye_normal(run, s);
         int32_t rx = fine_x >> VIEW_STEP_BITS;
         int32_t p = (int32_t)ray_length((uint32_t)(rx * rx) + yz, start, slope);
-        int32_t nr = (n.y * run->y + n.z * run->z - n.x * rx) >> 2; /* |n.r| <= 2^30.8; 2^13 */
-        int32_t d0 = run->ambient, d1 = d0, d2 = d0;                /* diffuse light, 18 fraction bits */
-        uint32_t s0 = 0, s1 = 0, s2 = 0;                            /* in the lobes, 20 */
+        uint32_t p2 = ((uint32_t)p << 1) + ((uint32_t)p >> (SHRINK_BITS - 1)); /* 2 p / SHRINK */
+        int32_t nr = (n.y * run->y + n.z * run->z - n.x * rx) >> 2;            /* |n.r| <= 2^30.8; 2^13 */
+        uint32_t d0 = run->ambient, d1 = d0, d2 = d0;                          /* diffuse light, 20 fraction bits */
+        uint32_t s0 = 0, s1 = 0, s2 = 0;                                       /* in the lobes, 22 */
         for (const struct run_light *l = run->light; l != run->lights_end; l++) {
-            int32_t nl = fx_dot(n, l->l), lambert = fx_max(nl, 0);
-            int32_t x = fx_mulhi(nl, p) + nr; /* 2^13: < 2^29.8 */
-            d0 += fx_mulhi(lambert, l->e[0]);
+            int32_t nl = fx_dot(n, l->l);
+            uint32_t x = (uint32_t)fx_max(fx_mulhi(nl, p) + nr, 0);              /* p n.l + n.r, 2^13: < 2^29.8 */
+            uint32_t num = fx_mulhi_u(x, x);                                     /* its square / 2^6 */
+            uint32_t den = fx_mulhi_u(p2, (uint32_t)(p + l->row - l->l.x * rx)); /* p (p + l.r) / 2 / SHRINK */
+            int32_t lambert = fx_max(nl, 0);
+            d0 += (uint32_t)fx_mulhi(lambert, l->e[0]);
             if (coloured) {
-                d1 += fx_mulhi(lambert, l->e[1]);
-                d2 += fx_mulhi(lambert, l->e[2]);
+                d1 += (uint32_t)fx_mulhi(lambert, l->e[1]);
+                d2 += (uint32_t)fx_mulhi(lambert, l->e[2]);
             }
-            if (x <= 0)
+            if (num <= den >> negligible)
                 continue;
-            uint32_t num = fx_mulhi_u((uint32_t)x << 2, (uint32_t)x << 1); /* (p n.l + n.r)^2 / 8 */
-            uint32_t den =
-                fx_mulhi_u((uint32_t)p << 1, (uint32_t)(p + l->row - l->l.x * rx)) + 1024; /* p (p + l.r) / 2 */
-            if (num < den >> negligible)
-                continue;
-            uint32_t power = lobe(num, den, run->squarings);
+            uint32_t power = lobe(narrow(num), narrow(den), run->squarings);
             s0 += fx_mulhi_u((uint32_t)l->e[0], power);
             if (coloured) {
                 s1 += fx_mulhi_u((uint32_t)l->e[1], power);
@@ -150,7 +164,9 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     struct run run;
     if (b->diffuse_material != slot->material + 1u)
         colour_setup(b, r, slot->material);
-    run.slot = slot;
+    for (int i = 0; i < 9; i++)
+        run.frame[i] = slot->frame[i] * 32;
+    run.normal_shift = slot->normal_shift;
     run.s = s;
     run.end = s + count;
     run.fine_x = (2 * (int32_t)x + 1 - r->frame.width) * v->step;
@@ -158,10 +174,13 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     run.z = v->axis;
     run.step = 2 * v->step;
     run.squarings = squarings_of(m->exponent);
-    run.ambient = (int32_t)fx_mulhi_u(r->frame.output->exposure, 343597384); /* 0.02 * 2^2 */
+    run.ambient = fx_mulhi_u(r->frame.output->exposure, 1374389535); /* 0.02 * 2^4 */
+    uint32_t grown = (1u << 31) + (1u << (31 - SHRINK_BITS)); /* SHRINK^-(exponent/2), 1.0 = 2^31, at most 1.065 */
+    for (uint32_t i = 0; i < run.squarings; i++)
+        grown = fx_mulhi_u(grown, grown) << 1;
     for (int k = 0; k < 3; k++) {
         run.kd[k] = (m->kd[k] << 16) - (m->kd[k] >> 16);
-        run.ks[k] = m->ks[k] << 14;
+        run.ks[k] = fx_mulhi_u(m->ks[k] << 15, grown);
     }
     run.lights_end = run.light + r->frame.light_count;
     uint32_t coloured = 0;
@@ -169,9 +188,9 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     for (uint32_t i = 0; l != run.lights_end; i++, l++) {
         const uint32_t *e = b->diffuse_colour[i];
         l->l = r->lights[i].direction;
-        l->row = l->l.y * run.y + l->l.z * run.z; /* 2^15 * 2^15.8 */
+        l->row = l->l.y * run.y + l->l.z * run.z + 2048; /* 2^15 * 2^15.8 */
         for (int k = 0; k < 3; k++)
-            l->e[k] = (int32_t)e[k];
+            l->e[k] = (int32_t)(e[k] << 2);
         coloured |= (e[0] ^ e[1]) | (e[0] ^ e[2]);
     }
     if (coloured)
