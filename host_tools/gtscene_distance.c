@@ -151,19 +151,22 @@ static double cell_distance2(const struct distance_grid *g, const int cell[3], c
     return sum;
 }
 
-/* Lowers *best to the squared distance from a triangle, if its sphere is near enough. */
-static void nearest(double *best, const struct distance_grid *g, unsigned triangle, const double p[3])
+/* Lowers *best to the squared distance from a triangle if that is nearer; its sphere tells for most that it is not. */
+static bool nearest(double *best, const struct distance_grid *g, unsigned triangle, const double p[3])
 {
     const struct distance_sphere *s = &g->spheres[triangle];
     double d[3] = {p[0] - s->center[0], p[1] - s->center[1], p[2] - s->center[2]};
     double reach = s->radius + sqrt(*best);
     if (dot(d, d) >= reach * reach)
-        return;
+        return false;
     double distance2 = triangle_distance2(g, triangle, p);
-    *best = distance2 < *best ? distance2 : *best;
+    if (distance2 >= *best)
+        return false;
+    *best = distance2;
+    return true;
 }
 
-double distance_to(const struct distance_grid *g, const double p[3])
+double distance_to(const struct distance_grid *g, const double p[3], unsigned *triangle)
 {
     int at[3], reach = 0;
     double best = INFINITY;
@@ -183,7 +186,8 @@ double distance_to(const struct distance_grid *g, const double p[3])
                         continue;
                     size_t index = ((size_t)z * g->size[1] + y) * g->size[0] + x;
                     for (size_t i = g->first[index]; i < g->first[index + 1]; i++)
-                        nearest(&best, g, g->triangles[i], p);
+                        if (nearest(&best, g, g->triangles[i], p) && triangle)
+                            *triangle = g->triangles[i];
                 }
             }
     return sqrt(best);

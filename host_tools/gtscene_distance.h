@@ -23,7 +23,7 @@ void distance_grid_build(struct distance_grid *out, const struct mesh_vertex *ve
                          size_t index_count);
 void distance_grid_free(struct distance_grid *g);
 
-/* Distance of p from the nearest triangle. */
-double distance_to(const struct distance_grid *g, const double p[3]);
+/* Distance of p from the nearest triangle, whose number goes to *triangle unless that is NULL. */
+double distance_to(const struct distance_grid *g, const double p[3], unsigned *triangle);
 
 #endif

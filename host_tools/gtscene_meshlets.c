@@ -288,17 +288,16 @@ static void emit(struct packed_mesh *out, struct meshlet_pool *pool, const struc
     grow_box(out->lo, out->hi, meshlet->hi);
 }
 
-/* Appends one level: the meshlets of some triangles of m. */
-static void add_level(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m, const unsigned *indices,
-                      size_t index_count, double error)
+/* Appends the meshlets of one level. */
+static void add_level(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m, double error)
 {
-    size_t bound = meshopt_buildMeshletsBound(index_count, MAX_VERTICES, MAX_TRIANGLES);
+    size_t bound = meshopt_buildMeshletsBound(m->index_count, MAX_VERTICES, MAX_TRIANGLES);
     struct meshopt_Meshlet *meshlets = xmalloc(bound * sizeof *meshlets);
     unsigned *vertices = xmalloc(bound * MAX_VERTICES * sizeof *vertices);
     unsigned char *triangles = xmalloc(bound * MAX_TRIANGLES * 3);
     uint32_t first = pool->meshlet_count;
     size_t count =
-        meshopt_buildMeshlets(meshlets, vertices, triangles, indices, index_count, m->vertices[0].position,
+        meshopt_buildMeshlets(meshlets, vertices, triangles, m->indices, m->index_count, m->vertices[0].position,
                               m->vertex_count, sizeof *m->vertices, MAX_VERTICES, MAX_TRIANGLES, CONE_WEIGHT);
     for (size_t i = 0; i < count; i++) {
         struct cluster c = {.count = meshlets[i].triangle_count};
@@ -322,11 +321,11 @@ void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *
     drop_degenerate(m);
     if (!m->index_count)
         die(EXIT_BAD_INPUT, "%s: no triangle has an area; is it the right mesh?", name);
-    add_level(out, pool, m, m->indices, m->index_count, 0);
+    add_level(out, pool, m, 0);
     unsigned count = with_levels ? mesh_simplify(coarser, m) : 0;
     for (unsigned i = 0; i < count; i++) {
-        add_level(out, pool, m, coarser[i].indices, coarser[i].index_count, coarser[i].error);
-        free(coarser[i].indices);
+        add_level(out, pool, &coarser[i].mesh, coarser[i].error);
+        mesh_free(&coarser[i].mesh);
     }
     mesh_free(m);
 }

@@ -13,7 +13,7 @@ struct magnitude {
     int32_t e;
 };
 
-#define LEAST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
+#define FIRST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
 #define MAX_BIAS        30         /* 2^30 / 2^8 vertex units: beyond every level's error */
 
 /* Where binning puts its results, or only counts them. */
@@ -356,7 +356,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     bytes &= ~(size_t)3;
     uint32_t threshold = f->scene->header->lod_error;
     struct binner b = {.r = r, .fixed_bytes = head_bytes, .arena_bytes = bytes};
-    b.pixels = magnitude_mul(magnitude_of(threshold > LEAST_THRESHOLD ? threshold : LEAST_THRESHOLD),
+    b.pixels = magnitude_mul(magnitude_of(threshold ? threshold : FIRST_THRESHOLD),
                              magnitude_inverse(magnitude_of((uint64_t)f->height * f->camera->focal)));
     b.pixels.e += 1; /* both have 16 fraction bits; H/2 */
     b.objects_stored = arena && bytes >= head_bytes;

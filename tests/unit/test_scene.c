@@ -402,8 +402,10 @@ static void boxes_are_tight(void **state)
     (void)state;
     for (unsigned i = 0; i < ref->mesh_count; i++) {
         double lo[3] = {1e9, 1e9, 1e9}, hi[3] = {-1e9, -1e9, -1e9};
-        for (unsigned j = 0; j < ref->meshes[i].meshlet_count; j++) {
-            const struct ref_meshlet *m = &ref->meshlets[ref->meshes[i].meshlet_first + j];
+        const struct scene_lod *first = &six.lods[six.meshes[i].lod_first], *last = first + six.meshes[i].lod_count - 1;
+        for (unsigned j = first->meshlet_first; j < last->meshlet_first + last->meshlet_count;
+             j++) { /* of all levels */
+            const struct ref_meshlet *m = &ref->meshlets[j];
             for (int k = 0; k < 3; k++) {
                 double least = 1e9, most = -1e9;
                 for (unsigned v = m->vertex_first; v < m->vertex_first + m->vertex_count; v++) {
