@@ -11,7 +11,9 @@
 /* max(n.h, 0)^exponent, 1.0 = 2^30; 0 for l = -v. */
 static uint32_t lobe(struct vec3 n, struct vec3 l, struct vec3 v, uq16_16_t exponent)
 {
-    struct vec3 h = {l.x + v.x, l.y + v.y, l.z + v.z};                          /* Q15, |h| <= 2^16.01 */
+    const int32_t most = 65535; /* l + v, Q15: two for l = v but for the least bit, so that squares fit */
+    struct vec3 h = {fx_clamp(l.x + v.x, -most, most), fx_clamp(l.y + v.y, -most, most),
+                     fx_clamp(l.z + v.z, -most, most)};
     uint32_t h2 = fx_square(h.x) / 4 + fx_square(h.y) / 4 + fx_square(h.z) / 4; /* |h/2|^2, 1.0 = 2^30 */
     if (!h2 || fx_dot(n, l) / 2 + fx_dot(n, v) / 2 <= 0)
         return 0;

@@ -4,7 +4,8 @@
  * r is the ray towards the eye in the unit that raster_view has, p = |r|, v = r/p. No direction is normalised:
  *   (n.h)^2 = (n.l + n.v)^2 / |l+v|^2 = (p n.l + n.r)^2 / (2 p (p + l.r)),
  * one 32-bit division; the exponent's half is reached by squaring. l.r is linear along a row.
- * Errors: (n.h)^2 within 2^-15, the lobe at exponent 32 within 2^-10; lobes below 2^-16 count as nothing.
+ * Errors: the lobe within 2^-9 at exponents up to 32 and 2^-8 at 64, but for lights within 14 degrees of opposite to the view, where h
+ * loses bits; lobes below 2^-16 count as nothing.
  */
 #include "internal.h"
 #include "func.h"
@@ -110,7 +111,8 @@ __attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, c
 {
     const uint32_t yz = (uint32_t)(run->y * run->y) + (uint32_t)(run->z * run->z);
     const uint32_t start = (uint32_t)run->z * 52691u >> 16, slope = 1151051235u / (uint32_t)run->z; /* 0.804, 0.268 */
-    const uint32_t negligible = (32u >> (run->squarings + 1)) + 4; /* lobe < 2^-16 where (n.h)^2 / 16 < 2^-negligible */
+    /* lobe <= 2^-16 where (n.h)^2 / 16 <= 2^-negligible */
+    const uint32_t negligible = (run->squarings < MAX_SQUARINGS ? 16u >> run->squarings : 1) + 4;
     int32_t fine_x = run->fine_x;
     for (const struct raster_surface *s = run->s; s != run->end; s++, out += 3, fine_x += run->step) {
         struct vec3 n = eye_normal(run, s);
