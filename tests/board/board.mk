@@ -71,21 +71,26 @@ $(B)/board/lm3s6965/image.o: hal/lm3s6965/image.S $(B)/board/lm3s6965.img
 $(B)/board/lm3s6965/oled.elf: $(B)/board/lm3s6965/image.o $(BOARD_OBJ_lm3s6965) $(BOARD_FIRMWARE_OBJ_lm3s6965)
 	$(BOARD_CC_lm3s6965) $(BOARD_LINK) -Lhal/lm3s6965 -T lm3s6965.ld $^ -lgcc -o $@
 
-.PHONY: deps-board work-a work-a-built
+.PHONY: deps-board work-a work-b work-built
 deps-board:
 	@tests/install_deps.sh $(DEPS_DEMO) $(DEPS_BOARD)
 
 # The mesh is in the optional data folder.
 GONIOTILE_DATA ?= ../shared/data
-WORK_A_MESH := $(wildcard $(GONIOTILE_DATA)/meshes/torus_knot_7680.obj)
-$(B)/board/work_a.blob: host_tools/scenes/work_a.json $(B)/gtscene $(WORK_A_MESH)
+WORK_MESH  := $(wildcard $(GONIOTILE_DATA)/meshes/torus_knot_7680.obj)
+WORK_BLOBS := $(B)/board/work_a.blob $(B)/board/work_b.blob
+$(WORK_BLOBS): $(B)/board/%.blob: host_tools/scenes/%.json $(B)/gtscene $(WORK_MESH)
 	@mkdir -p $(@D)
 	$(B)/gtscene build $< -o $@ --data $(GONIOTILE_DATA)/meshes
-work-a: deps-board ## instructions of the comparison frame: one knot of 7680 triangles (needs the data folder)
-	$(AGAIN) work-a-built
-WORK_A_PROGRAMS := $(B)/board/work_a.blob $(B)/board/host_hash-gcc-O2 $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
-work-a-built: $(WORK_A_PROGRAMS)
-	@B=$(B) tests/board/work_a.sh
+# One program renders any blob.
+WORK_PROGRAMS := $(WORK_BLOBS) $(B)/board/host_hash-gcc-O2 $(BOARD_TARGETS:%=$(B)/board/%/work_a.elf)
+work-a: deps-board ## instructions of the comparison frame: one knot of 7680 triangles, Lambert (needs the data folder)
+	$(AGAIN) work-built WORK=work_a
+work-b: deps-board ## the same, Blinn-Phong under three lights
+	$(AGAIN) work-built WORK=work_b
+WORK ?= work_a
+work-built: $(WORK_PROGRAMS)
+	@B=$(B) tests/board/work.sh $(WORK)
 
 # --- the firmware on the boards: the demo's scene and tables in a flash image ---
 $(B)/board/make_image: $(B)/host/tests/board/make_image.o $(LIBS)
@@ -131,11 +136,11 @@ boards-built: boards-build
 	@B=$(B) tests/board/boards.sh
 # The check runs tests/e2e/test_boards.sh, the benchmark tests/board/bench.sh.
 check-built: boards-build
-bench-built: boards-build $(if $(WORK_A_MESH),$(WORK_A_PROGRAMS))
+bench-built: boards-build $(if $(WORK_MESH),$(WORK_PROGRAMS))
 
 $(B)/board/profile.so: tests/board/profile.c
 	@mkdir -p $(@D)
 	$(CC) -std=gnu11 -O2 -g $(WARN) -fPIC -shared -o $@ $<
 TARGET ?= cortex-m7
-profile: $(B)/board/profile.so $(B)/board/work_a.blob $(B)/board/$(TARGET)/work_a.elf ## instructions of work A by function, two frames, for TARGET
-	@tests/board/run.sh $(TARGET) $(B)/board/$(TARGET)/work_a.elf $(B)/board/work_a.blob -plugin $(B)/board/profile.so
+profile: $(B)/board/profile.so $(WORK_BLOBS) $(B)/board/$(TARGET)/work_a.elf ## instructions of a comparison frame by function, two frames, for TARGET and WORK=work_a|work_b
+	@tests/board/run.sh $(TARGET) $(B)/board/$(TARGET)/work_a.elf $(B)/board/$(WORK).blob -plugin $(B)/board/profile.so
