@@ -11,6 +11,7 @@
 #define MAX_VERTICES  24
 #define MAX_TRIANGLES 32
 #define CONE_WEIGHT   0.5f
+#define MAX_JOINED    150 /* meshlets of a level that join_crumbs looks at, every pair of them */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -143,10 +144,10 @@ static double worst_normal(unsigned *worst, const struct mesh *m, const unsigned
 }
 
 /* The frame's z: the mean normal, or, where a normal is more than 85 degrees off, the middle of the smallest cone (by
- * stepping towards the farthest normal, shorter each time). False when some normal stays 90 degrees off or more. */
-static bool choose_axis(double z[3], const struct mesh *m, const unsigned *vertices, unsigned count)
+ * stepping towards the farthest normal, shorter each time). Returns the cosine of the farthest normal's angle to it. */
+static double choose_axis(double z[3], const struct mesh *m, const unsigned *vertices, unsigned count)
 {
-    const double cos_85 = 0.0871557427, margin = 1e-3; /* margin: the frame is rounded afterwards */
+    const double cos_85 = 0.0871557427;
     double n[3], best[3] = {0, 0, 1}, best_cosine = -2;
     unsigned worst = 0;
     memset(z, 0, 3 * sizeof *z);
@@ -170,7 +171,7 @@ static bool choose_axis(double z[3], const struct mesh *m, const unsigned *verti
             z[k] += (n[k] - z[k]) / (step + 1);
     }
     memcpy(z, best, sizeof best);
-    return best_cosine > margin;
+    return best_cosine;
 }
 
 /* Rows x, y, z in Q14; each entry within half a unit. */
@@ -244,22 +245,81 @@ static void reserve(struct meshlet_pool *pool)
     pool->triangles = xrealloc(pool->triangles, room * MAX_TRIANGLES * sizeof *pool->triangles);
 }
 
-/* Appends a cluster as one meshlet, or as several if its normals do not fit one frame. */
+/* The clusters of one level. */
+struct clusters {
+    struct cluster *items;
+    unsigned count;
+};
+
+#define LEAST_COSINE 1e-3 /* of a normal's angle to its frame's z, which is rounded afterwards */
+
+/* Cosine of the widest angle between a cluster's normals and the axis it would get; -2 when it has too many vertices. */
+static double cluster_cosine(const struct mesh *m, const struct cluster *c)
+{
+    unsigned vertices[3 * MAX_TRIANGLES];
+    uint8_t corners[MAX_TRIANGLES][3];
+    unsigned count = cluster_vertices(vertices, corners, c);
+    double z[3];
+    return count > MAX_VERTICES ? -2 : choose_axis(z, m, vertices, count);
+}
+
+/* Adds a cluster, in halves if its normals do not fit one frame. */
+static void add_cluster(struct clusters *out, const struct mesh *m, const struct cluster *c)
+{
+    if (cluster_cosine(m, c) <= LEAST_COSINE && c->count > 1) {
+        struct cluster part = {.count = c->count / 2};
+        memcpy(part.triangles, c->triangles, part.count * sizeof *part.triangles);
+        add_cluster(out, m, &part);
+        memcpy(part.triangles, c->triangles + part.count, (c->count - part.count) * sizeof *part.triangles);
+        part.count = c->count - part.count;
+        add_cluster(out, m, &part);
+        return;
+    }
+    if (!(out->count & (out->count - 1)))
+        out->items = xrealloc(out->items, (2 * (size_t)out->count + 1) * sizeof *out->items);
+    out->items[out->count++] = *c;
+}
+
+/* Where thin parts turn within few triangles, splitting leaves crumbs: joins those whose normals are most alike. A level that
+ * has them is drawn small, so that it does not matter how far apart they are. */
+static void join_crumbs(struct clusters *all, const struct mesh *m)
+{
+    for (unsigned i = 0; i < all->count && all->count <= MAX_JOINED; i++) {
+        unsigned best_j;
+        do {
+            double best = LEAST_COSINE;
+            best_j = 0;
+            for (unsigned j = i + 1; j < all->count; j++) {
+                struct cluster both = all->items[i];
+                if (both.count + all->items[j].count > MAX_TRIANGLES)
+                    continue;
+                memcpy(both.triangles + both.count, all->items[j].triangles,
+                       all->items[j].count * sizeof *both.triangles);
+                both.count += all->items[j].count;
+                double cosine = cluster_cosine(m, &both);
+                if (cosine > best) {
+                    best = cosine;
+                    best_j = j;
+                }
+            }
+            if (best_j) {
+                struct cluster *to = &all->items[i], *from = &all->items[best_j];
+                memcpy(to->triangles + to->count, from->triangles, from->count * sizeof *from->triangles);
+                to->count += from->count;
+                *from = all->items[--all->count];
+            }
+        } while (best_j);
+    }
+}
+
+/* Appends a cluster as one meshlet. */
 static void emit(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh *m, const struct cluster *c)
 {
     unsigned vertices[3 * MAX_TRIANGLES];
     uint8_t corners[MAX_TRIANGLES][3];
     unsigned count = cluster_vertices(vertices, corners, c);
     double z[3];
-    if (!choose_axis(z, m, vertices, count) && c->count > 1) {
-        struct cluster part = {.count = c->count / 2};
-        memcpy(part.triangles, c->triangles, part.count * sizeof *part.triangles);
-        emit(out, pool, m, &part);
-        memcpy(part.triangles, c->triangles + part.count, (c->count - part.count) * sizeof *part.triangles);
-        part.count = c->count - part.count;
-        emit(out, pool, m, &part);
-        return;
-    }
+    choose_axis(z, m, vertices, count);
     reserve(pool);
     struct scene_meshlet *meshlet = &pool->meshlets[pool->meshlet_count++];
     *meshlet = (struct scene_meshlet){
@@ -296,6 +356,7 @@ static void add_level(struct packed_mesh *out, struct meshlet_pool *pool, const 
     unsigned *vertices = xmalloc(bound * MAX_VERTICES * sizeof *vertices);
     unsigned char *triangles = xmalloc(bound * MAX_TRIANGLES * 3);
     uint32_t first = pool->meshlet_count;
+    struct clusters all = {NULL, 0};
     size_t count =
         meshopt_buildMeshlets(meshlets, vertices, triangles, m->indices, m->index_count, m->vertices[0].position,
                               m->vertex_count, sizeof *m->vertices, MAX_VERTICES, MAX_TRIANGLES, CONE_WEIGHT);
@@ -304,8 +365,12 @@ static void add_level(struct packed_mesh *out, struct meshlet_pool *pool, const 
         for (unsigned j = 0; j < 3 * c.count; j++)
             c.triangles[j / 3][j % 3] =
                 vertices[meshlets[i].vertex_offset + triangles[meshlets[i].triangle_offset + j]];
-        emit(out, pool, m, &c);
+        add_cluster(&all, m, &c);
     }
+    join_crumbs(&all, m);
+    for (unsigned i = 0; i < all.count; i++)
+        emit(out, pool, m, &all.items[i]);
+    free(all.items);
     out->levels[out->level_count++] = (struct scene_lod){first, pool->meshlet_count - first, (uint32_t)ceil(error)};
     free(meshlets);
     free(vertices);

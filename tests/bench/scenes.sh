@@ -35,7 +35,7 @@ JSON
 }
 
 # Knots as lines of objects; the last line is the camera's distance. volume: four side by side fill the picture, those beyond
-# them are spread evenly over the volume that the eye sees from 3 to 16 times their distance, the nearest first. grid: all side by
+# them are spread evenly over the volume that the eye sees from 3 to 32 times their distance, the nearest first. grid: all side by
 # side, columns to rows as 4 to 3.
 place() { # volume|grid count
     awk -v how="$1" -v n="$2" 'BEGIN {
@@ -52,7 +52,7 @@ place() { # volume|grid count
                 y = 2.3 * ((rows - 1) / 2 - int(i / columns))
                 z = 0
             } else { # 121 of them are the whole volume
-                depth = eye * (27 + (16 ^ 3 - 27) * (i - 3.5) / 121) ^ (1 / 3)
+                depth = eye * (27 + (32 ^ 3 - 27) * (i - 3.5) / 121) ^ (1 / 3)
                 x = (i * 0.754877666 % 1 - 0.5) * 2 * depth * tangent * 4 / 3
                 y = (i * 0.569840291 % 1 - 0.5) * 2 * depth * tangent
                 z = eye - depth
