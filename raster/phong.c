@@ -30,8 +30,7 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene
         uint32_t power = 0; /* max(v.r, 0)^n, 1.0 = 2^30 */
         if (2 * (nl * nv >> 15) > fx_dot(l, v) >> 15) {
             /* d = r - v, Q15, shorter than sqrt(2) here: squares below 2^31; v.r = 1 - |d|^2/2 */
-            int32_t dx = ((nl * n.x + (1 << 13)) >> 14) - l.x - v.x,
-                    dy = ((nl * n.y + (1 << 13)) >> 14) - l.y - v.y,
+            int32_t dx = ((nl * n.x + (1 << 13)) >> 14) - l.x - v.x, dy = ((nl * n.y + (1 << 13)) >> 14) - l.y - v.y,
                     dz = ((nl * n.z + (1 << 13)) >> 14) - l.z - v.z;
             uint32_t half_d2 = fx_square(dx) / 2 + fx_square(dy) / 2 + fx_square(dz) / 2;
             if (half_d2 < 1u << 30) {
