@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures and writes $B/bench/results.csv; prints it as a table. Needs bench_frame and the demo's scene and tables
-# (make bench builds them), valgrind and the cross compilers.
+# (make bench builds them), the boards' programs, valgrind, llvm-mca and the cross compilers.
 #
 # Instruction counts repeat exactly with one compiler; milliseconds are this machine's. Frames: 320 x 240, RGB888, culling and binning
 # included, loading excluded.
@@ -32,7 +32,7 @@ row suite target case variant metric value unit
 # --- frame: time and instructions on this machine ---
 case=six_models_320x240
 declare -A instructions
-for model in measured lafortune_phong; do
+for model in measured_aa4 lafortune_phong_aa4 measured lafortune_phong; do
     ms=$("$B/bench/bench_frame" $model 51 "$scene" "${tables[@]}" | awk '$1 == "ms_per_frame" { print $2 }')
     valgrind --tool=callgrind --toggle-collect='bench_frame*' --callgrind-out-file="$work/callgrind" \
         "$B/bench/bench_frame" $model 1 "$scene" "${tables[@]}" >"$work/out" 2>"$work/log" ||
@@ -41,6 +41,7 @@ for model in measured lafortune_phong; do
     [ "${instructions[$model]:-0}" -gt 0 ] || { echo "bench: callgrind counted no instructions of bench_frame" >&2; exit 1; }
     row frame x86-64 $case $model instructions_per_frame "${instructions[$model]}" instructions
     row frame x86-64 $case $model ms_per_frame "$ms" ms
+    [ $model != measured_aa4 ] || arena_aa4=$(awk '$1 == "arena_bytes" { print $2 }' "$work/out")
 done
 row frame x86-64 $case measured_over_lafortune_phong instructions_per_frame \
     "$(awk "BEGIN { printf \"%.3f\", ${instructions[measured]} / ${instructions[lafortune_phong]} }")" ratio
@@ -86,7 +87,12 @@ row size $t $case tile_statistics ram_bytes $statistics bytes
 row size $t $case renderer_stack ram_bytes $renderer_stack bytes
 row size $t $case app_stack ram_bytes "$poll" bytes
 row size $t $case renderer ram_bytes $((arena + $(size_of sizeof_raster) + $(size_of sizeof_tile) + renderer_stack)) bytes
+row size $t ${case}_aa4 renderer ram_bytes $((arena_aa4 + $(size_of sizeof_raster) + $(size_of sizeof_tile) + renderer_stack)) bytes
 row size $t $case total ram_bytes $((arena + $(size_of sizeof_app) + statistics + poll)) bytes
+
+# --- emulated boards, comparison frames, inner loops ---
+B=$B tests/board/bench.sh "$csv"
+B=$B tests/bench/mca.sh >>"$csv"
 
 mkdir -p "$B/bench"
 mv "$csv" "$B/bench/results.csv"

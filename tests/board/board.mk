@@ -6,7 +6,7 @@ BOARD_HOT   ?=
 BOARD_HOT_OPT ?= -O3
 DEPS_BOARD  := $(CROSS) qemu-system-arm qemu-system-misc
 DEPS_CHECK  += $(DEPS_BOARD)
-DEPS_BENCH  += $(DEPS_BOARD)
+DEPS_BENCH  += $(DEPS_BOARD) llvm-14
 
 BOARD_TARGETS := cortex-m3 cortex-m4 cortex-m7 cortex-m33 cortex-m55 rv32imac
 # The core of AN521 has no DSP instructions.
