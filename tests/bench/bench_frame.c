@@ -3,8 +3,8 @@
  *
  *   bench_frame MODEL FRAMES SCENE.blob TABLE.ktx2...
  *
- * MODEL: measured (materials as the scene has them) or lafortune_phong (all of them so shaded). Tables fill slots 0, 1, ... in
- * order. 320 x 240, RGB888. Stdout: `ms_per_frame VALUE` (median) and `arena_bytes VALUE`.
+ * MODEL: measured (materials as the scene has them) or lafortune_phong (all of them so shaded); with _aa4 appended, four samples per
+ * pixel. Tables fill slots 0, 1, ... in order. 320 x 240, RGB888. Stdout: `ms_per_frame VALUE` (median) and `arena_bytes VALUE`.
  * Under valgrind --tool=callgrind --toggle-collect=bench_frame only frames count, not the loading.
  */
 #define _GNU_SOURCE
@@ -49,10 +49,12 @@ int main(int argc, char **argv)
 {
     common_set_name("bench_frame", NULL);
     if (argc < 4 || argc - 4 > (int)RASTER_MAX_SLOTS)
-        die(EXIT_USAGE, "usage: bench_frame measured|lafortune_phong FRAMES SCENE.blob TABLE.ktx2...");
-    bool lafortune = !strcmp(argv[1], "lafortune_phong");
-    if (!lafortune && strcmp(argv[1], "measured"))
-        die(EXIT_USAGE, "model: '%s' is neither measured nor lafortune_phong", argv[1]);
+        die(EXIT_USAGE, "usage: bench_frame measured|lafortune_phong[_aa4] FRAMES SCENE.blob TABLE.ktx2...");
+    bool lafortune = !strncmp(argv[1], "lafortune_phong", 15);
+    const char *rest = argv[1] + (lafortune ? 15 : 8);
+    bool four = !strcmp(rest, "_aa4");
+    if ((!lafortune && strncmp(argv[1], "measured", 8)) || (*rest && !four))
+        die(EXIT_USAGE, "model: '%s' is neither measured nor lafortune_phong, with or without _aa4", argv[1]);
     int frames = (int)parse_long("FRAMES", argv[2], 1, MAX_FRAMES);
 
     size_t bytes;
@@ -84,7 +86,8 @@ int main(int argc, char **argv)
                                  .width = WIDTH,
                                  .height = HEIGHT,
                                  .light_count = (uint8_t)scene.header->lights.count,
-                                 .format = RASTER_RGB888};
+                                 .format = RASTER_RGB888,
+                                 .samples = four ? 4 : 1};
     size_t arena_bytes = raster_arena_bytes(&frame);
     void *arena = xmalloc(arena_bytes);
     static struct raster_tile work;
