@@ -110,7 +110,8 @@ struct raster {
 
 /* One tile's working memory: fast RAM, one per thread. Contents are internal. */
 #define RASTER_TILE_PIXELS (RASTER_TILE_WIDTH * RASTER_TILE_HEIGHT)
-#define RASTER_BATCH       64 /* pixels of one material shaded together */
+#define RASTER_BATCH       64  /* pixels of one material shaded together */
+#define RASTER_SLOTS       128 /* meshlets of a tile between two shadings, plus one; at most 256 */
 
 struct raster_surface {
     uint32_t depth_slot; /* depth << 8 | slot, larger is nearer; 0 = background; slot 0 = already shaded */
@@ -154,7 +155,7 @@ struct raster_batch {
 
 struct raster_tile {
     struct raster_surface surface[RASTER_TILE_PIXELS]; /* the finished pixels overwrite it from the start */
-    struct raster_slot slots[256];                     /* 1..255 in use */
+    struct raster_slot slots[RASTER_SLOTS];            /* 0 is not used */
     union {                                            /* the meshlet being drawn */
         struct raster_small small[SCENE_MESHLET_MAX_VERTICES];
         struct {

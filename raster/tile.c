@@ -105,7 +105,7 @@ void raster_render_tile(const struct raster *r, uint32_t index, struct raster_ti
     uint32_t slot = 0;
     for (uint32_t node = r->heads[index]; node;) {
         const struct raster_node *n = r->nodes - node;
-        if (slot == 255) { /* all slots taken: shade what is visible so far and go on */
+        if (slot == RASTER_SLOTS - 1) { /* all slots taken: shade what is visible so far and go on */
             raster_shade_samples(r, work, rect, stats);
             slot = 0;
         }
