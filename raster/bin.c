@@ -76,21 +76,23 @@ static bool cone_culled(const struct raster_object *o, const struct scene_meshle
     return (uint64_t)((int64_t)d * d) << 28 >= (uint64_t)length2 * (uint32_t)(m->cone_cutoff * m->cone_cutoff);
 }
 
-/* The eight corners of a box: one is transformed, the others follow by the rows' steps. Every sum is a vertex': < 2^31. */
+/* The eight corners of a box: one is transformed, the others follow by the rows' steps. Every sum is a vertex'. */
 static void box_corners(struct raster_clip_vertex c[8], const struct raster_object *o, const int16_t lo[3],
                         const int16_t hi[3])
 {
-    struct scene_vertex first = {lo[0], lo[1], lo[2], 0, 0};
-    raster_transform(&c[0], o, &first);
-    for (unsigned k = 0; k < 3; k++) {
-        int32_t side = hi[k] - lo[k]; /* < 2^16, rows < 2^15 */
-        int32_t x = o->row[0][k] * side, y = o->row[1][k] * side, w = o->row[2][k] * side;
-        for (unsigned i = 0; i < 1u << k; i++) {
-            struct raster_clip_vertex *to = &c[i | 1u << k];
-            *to = c[i];
-            to->x += x;
-            to->y += y;
-            to->w += w;
+    for (unsigned i = 0; i < 3; i++) {
+        int64_t sum[8];
+        sum[0] = o->offset[i];
+        for (unsigned k = 0; k < 3; k++)
+            sum[0] += (int64_t)o->row[i][k] * lo[k];
+        for (unsigned k = 0; k < 3; k++) {
+            int64_t side = (int64_t)o->row[i][k] * (hi[k] - lo[k]);
+            for (unsigned n = 0; n < 1u << k; n++)
+                sum[n | 1u << k] = sum[n] + side;
+        }
+        for (unsigned n = 0; n < 8; n++) {
+            int32_t x = (int32_t)(sum[n] >> ROW_BITS);
+            *(i == 0 ? &c[n].x : i == 1 ? &c[n].y : &c[n].w) = x;
         }
     }
 }
@@ -225,8 +227,8 @@ static bool object_prepare(struct raster_object *o, const struct binner *b, cons
     raster_object_setup(o, &b->r->frame, so);
     if (!box_coverage(&c, b->r, o, mesh->lo, mesh->hi))
         return false;
-    /* A row's rounding moves W by less than 3 * 2^15 / 2 + 1. What is nearer than the plane is not drawn. */
-    struct magnitude w = magnitude_of((uint32_t)fx_max(c.nearest - (3 << 14) - 1, o->near_w));
+    /* Rounding moves W by less than 2. What is nearer than the plane is not drawn. */
+    struct magnitude w = magnitude_of((uint32_t)fx_max(c.nearest - 2, o->near_w));
     w.e -= o->scale_w;
     o->max_error = error_within(b, so, w);
     o->mesh = so->mesh;
@@ -352,7 +354,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->tiles_x = (uint16_t)((r->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
     r->tiles_y = (uint16_t)((r->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
     uint32_t tiles = raster_tile_count(r);
-    size_t head_bytes = (tiles * sizeof(uint16_t) + 3) & ~(size_t)3;
+    size_t head_bytes = (tiles * sizeof(uint16_t) + 7) & ~(size_t)7; /* objects are 8-aligned */
     bytes &= ~(size_t)3;
     uint32_t threshold = f->scene->header->lod_error;
     struct binner b = {.r = r, .fixed_bytes = head_bytes, .arena_bytes = bytes};

@@ -29,9 +29,11 @@
 #define VIEW_STEP_BITS 14
 #define DEPTH_BIAS     128u /* keeps an interpolated depth, which may err by its gradient's rounding, above zero */
 
+#define ROW_BITS 16
+
 struct raster_object {
-    int32_t row[3][3]; /* X, Y, W from vertex units; |entry| < 2^15 */
-    int32_t offset[3]; /* |sum of a row's products + offset| < 2^31 */
+    int32_t row[3][3]; /* X, Y, W from vertex units, with ROW_BITS fraction bits; |entry| < 2^31 */
+    int64_t offset[3]; /* likewise; |sum of a row's products + offset| < 2^(31 + ROW_BITS) */
     int32_t scale_w;
     int32_t shift_xy;    /* 29 + scale_xy - scale_w */
     int32_t shift_depth; /* of the reciprocal, see raster_project */
@@ -81,12 +83,17 @@ struct raster_normal {
 };
 static inline struct raster_normal raster_decode_normal(const struct raster_surface *s, unsigned shift)
 {
-    /* Rounded to nearest; the depth's bias off, below which an interpolated depth may err. */
+    /* Rounded to nearest, without the slot; the depth's bias off, below which an interpolated depth may err. */
     struct raster_normal n = {
         (int16_t)(s->normal & 0xffff), (int16_t)(s->normal >> 16),
-        (int32_t)((s->depth_slot + (128u << shift)) >> (8 + shift)) - (int32_t)(DEPTH_BIAS >> shift), 0};
+        (int32_t)(((s->depth_slot >> 8) + (1u << shift >> 1)) >> shift) - (int32_t)(DEPTH_BIAS >> shift), 0};
     n.d = fx_max(n.d, 64);
     uint32_t den = (uint32_t)(n.d * n.d) + (uint32_t)(n.u * n.u) + (uint32_t)(n.v * n.v); /* 2^12 .. 2^30 */
+    unsigned k = (fx_clz(den) - 2) >> 1; /* the same direction, with den in 2^28..2^30 */
+    n.u *= 1 << k;
+    n.v *= 1 << k;
+    n.d *= 1 << k;
+    den <<= 2 * k;
     n.m = (int32_t)(((uint32_t)n.d << 17) / ((den + (1 << 11)) >> 12));
     return n;
 }
@@ -113,10 +120,10 @@ struct vec3 raster_view_vector(const struct raster *r, uint32_t x, uint32_t y);
 static inline void raster_transform(struct raster_clip_vertex *c, const struct raster_object *o,
                                     const struct scene_vertex *v)
 {
-    int32_t x = v->x, y = v->y, z = v->z;
-    c->x = o->row[0][0] * x + o->row[0][1] * y + o->row[0][2] * z + o->offset[0];
-    c->y = o->row[1][0] * x + o->row[1][1] * y + o->row[1][2] * z + o->offset[1];
-    c->w = o->row[2][0] * x + o->row[2][1] * y + o->row[2][2] * z + o->offset[2];
+    int64_t x = v->x, y = v->y, z = v->z;
+    c->x = (int32_t)((o->row[0][0] * x + o->row[0][1] * y + o->row[0][2] * z + o->offset[0]) >> ROW_BITS);
+    c->y = (int32_t)((o->row[1][0] * x + o->row[1][1] * y + o->row[1][2] * z + o->offset[1]) >> ROW_BITS);
+    c->w = (int32_t)((o->row[2][0] * x + o->row[2][1] * y + o->row[2][2] * z + o->offset[2]) >> ROW_BITS);
     c->u = v->u;
     c->v = v->v;
 }

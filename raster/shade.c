@@ -5,6 +5,7 @@
  * overtakes reading.
  */
 #include "internal.h"
+#include "func.h"
 
 enum target {
     TARGET_PIXELS,  /* finished pixels from the surface's start on */
@@ -132,6 +133,23 @@ static void flush(const struct output *o, struct raster_stats *stats)
     b->count = 0;
 }
 
+/*
+ * Interpolation turns normals of visible pixels away from the eye, near silhouettes. A table has no value there, and a black pixel beside a
+ * bright one would flicker with the least movement: the normal is turned back to where n.v is 1/128.
+ */
+static struct vec3 face_viewer(struct vec3 n, struct vec3 v)
+{
+    const int32_t least = 32768 / 128;
+    int32_t lift = least - (fx_dot(n, v) >> 15);
+    if (lift <= 0)
+        return n;
+    n = (struct vec3){n.x + (v.x * lift >> 15), n.y + (v.y * lift >> 15), n.z + (v.z * lift >> 15)};
+    unsigned shift;
+    uint32_t m = lut_rsqrt((uint32_t)fx_max(fx_dot(n, n), 1), &shift);
+    int32_t k = (int32_t)(m >> shift); /* 2^30 / |n|: its product with a component of n is at most 2^30 */
+    return (struct vec3){n.x * k >> 15, n.y * k >> 15, n.z * k >> 15};
+}
+
 /* Adds a pixel to the batch. (x, y): where its colour goes; `sample`: where its normal is. */
 static void gather_pixel(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y,
                          const struct raster_surface *sample, uint32_t weight, struct raster_stats *stats)
@@ -146,6 +164,8 @@ static void gather_pixel(const struct output *o, const struct raster_slot *slot,
     b->weight[i] = (uint8_t)weight;
     b->normal[i] = raster_eye_normal(slot, sample);
     b->view[i] = raster_view_vector(o->r, o->x0 + (x >> (shift | to_pixel)), o->y0 + (y >> (shift | to_pixel)));
+    if (o->r->frame.materials[slot->material].kind == SCENE_MATERIAL_MEASURED)
+        b->normal[i] = face_viewer(b->normal[i], b->view[i]);
     b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }
 

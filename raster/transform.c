@@ -22,15 +22,15 @@ static int32_t bit_length(uint64_t x)
     return hi ? 64 - (int32_t)fx_clz(hi) : lo ? 32 - (int32_t)fx_clz(lo) : 0;
 }
 
-/* x.m * 2^(x.e + e), rounded to nearest. In: the result is known to fit int32. */
-static int32_t scaled_to_int(struct scaled x, int32_t e)
+/* x.m * 2^(x.e + e), rounded to nearest. In: the result is known to fit. */
+static int64_t scaled_to_int(struct scaled x, int32_t e)
 {
     int32_t shift = x.e + e;
     if (shift >= 0) /* x.m is small: the result fits */
-        return x.m ? (int32_t)(x.m * ((int64_t)1 << shift)) : 0;
+        return x.m ? x.m * ((int64_t)1 << shift) : 0;
     if (shift <= -63)
         return 0;
-    return (int32_t)(((x.m >> (-shift - 1)) + 1) >> 1);
+    return ((x.m >> (-shift - 1)) + 1) >> 1;
 }
 
 /* a*b with b's mantissa below 2^31. Keeps 31 bits of a. */
@@ -59,8 +59,8 @@ static int32_t row_exponent(const struct scaled row[3], struct scaled offset)
 static void row_store(struct raster_object *o, int i, const struct scaled row[3], struct scaled offset, int32_t scale)
 {
     for (int j = 0; j < 3; j++)
-        o->row[i][j] = scaled_to_int(row[j], scale); /* < 2^15 */
-    o->offset[i] = scaled_to_int(offset, scale);     /* < 2^30 */
+        o->row[i][j] = (int32_t)scaled_to_int(row[j], scale + ROW_BITS); /* < 2^15 * 2^ROW_BITS */
+    o->offset[i] = scaled_to_int(offset, scale + ROW_BITS);              /* < 2^30 * 2^ROW_BITS */
 }
 
 /* The eye in vertex units, rounded, so far as back-face cones need it. */
@@ -77,7 +77,7 @@ static void eye_setup(struct raster_object *o, const struct scene_object *so, co
     int32_t bits = bit_length(all) - 46 + 1 + so->scale_shift; /* upper bound of the result's length */
     o->eye_shift = (uint8_t)(bits > 16 ? bits - 16 : 0);
     for (int j = 0; j < 3; j++)
-        o->eye[j] = scaled_to_int(scaled_mul((struct scaled){e[j], -46}, inverse), -(int32_t)o->eye_shift);
+        o->eye[j] = (int32_t)scaled_to_int(scaled_mul((struct scaled){e[j], -46}, inverse), -(int32_t)o->eye_shift);
 }
 
 void raster_object_setup(struct raster_object *o, const struct raster_frame *f, const struct scene_object *so)

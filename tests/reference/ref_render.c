@@ -181,11 +181,17 @@ static void shade(double radiance[3], const struct ref_view *view, const struct 
         return;
     }
     int measured = view->model == REF_MODEL_AS_SCENE ? m->measured : view->model == REF_MODEL_MEASURED;
+    double facing[3] = {n[0], n[1], n[2]};
+    if (measured && dot(n, v) < 1.0 / 128) { /* a table has no value there: the normal is turned back to where it has */
+        for (int j = 0; j < 3; j++)
+            facing[j] += v[j] * (1.0 / 128 - dot(n, v));
+        normalise(facing);
+        n = facing;
+    }
     for (unsigned i = 0; i < s->light_count; i++) {
         double l[3], f[3];
         to_eye(l, &s->camera, s->lights[i].direction);
-        /* A table has no value for a normal that interpolation turned away from the eye; an analytic model does. */
-        if (dot(n, l) <= 0 || (measured && dot(n, v) <= 0))
+        if (dot(n, l) <= 0)
             continue;
         if (measured)
             ref_table_eval(f, view->tables[m->slot], n, l, v);
