@@ -76,8 +76,8 @@ check: deps-check ## build and run every test; ends with `N passed, N failed, N 
 check-built: all demo-data tests
 	@B=$(B) CC=$(CC) tests/run.sh
 
-check-long: deps-check ## check, then the same tests built by clang -O3 and by gcc -O0, without sanitizers
-	$(AGAIN) check-built
+check-long: deps-check ## check with ten times the random cases, then built by clang -O3 and by gcc -O0, without sanitizers
+	+@GONIOTILE_LONG=1 LIMIT=1800 $(MAKE) --no-print-directory check-built
 	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 WARN=-Wall SAN=
 	$(AGAIN) check-built B=$(B)/gcc-O0 CC=gcc OPT=-O0 SAN=
 

@@ -93,6 +93,7 @@ row size $t $case total ram_bytes $((arena + $(size_of sizeof_app) + statistics 
 # --- emulated boards, comparison frames, inner loops ---
 B=$B tests/board/bench.sh "$csv"
 B=$B tests/bench/mca.sh >>"$csv"
+B=$B tests/bench/raster_rows.sh >>"$csv"
 
 mkdir -p "$B/bench"
 mv "$csv" "$B/bench/results.csv"
