@@ -97,6 +97,38 @@ static void box_corners(struct raster_clip_vertex c[8], const struct raster_obje
     }
 }
 
+/*
+ * Points whose projections bound the box's; returns how many. X/w and Y/w lie between those of the least and the largest X, Y and w, which
+ * exceed the corners' by the share by which w varies: where that is little, four points of the extremes do.
+ */
+static unsigned box_points(struct raster_clip_vertex c[8], const struct raster_object *o, const int16_t lo[3],
+                           const int16_t hi[3])
+{
+    int32_t least[3], most[3]; /* of X, Y, w */
+    for (unsigned i = 0; i < 3; i++) {
+        int64_t a = o->offset[i], b;
+        for (unsigned k = 0; k < 3; k++)
+            a += (int64_t)o->row[i][k] * lo[k];
+        b = a;
+        for (unsigned k = 0; k < 3; k++) {
+            int64_t side = (int64_t)o->row[i][k] * (hi[k] - lo[k]);
+            a += side < 0 ? side : 0;
+            b += side < 0 ? 0 : side;
+        }
+        least[i] = (int32_t)(a >> ROW_BITS);
+        most[i] = (int32_t)(b >> ROW_BITS);
+    }
+    if (least[2] < o->near_w || most[2] - least[2] > least[2] >> 4) {
+        box_corners(c, o, lo, hi);
+        return 8;
+    }
+    for (unsigned i = 0; i < 4; i++) {
+        const int32_t *xy = i & 1 ? most : least;
+        c[i] = (struct raster_clip_vertex){xy[0], xy[1], i & 2 ? most[2] : least[2], 0, 0};
+    }
+    return 4;
+}
+
 /* Projects the box; false when it is outside the view. */
 static bool box_coverage(struct coverage *out, const struct raster *r, const struct raster_object *o,
                          const int16_t lo[3], const int16_t hi[3])
@@ -107,8 +139,8 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
     uint32_t inv_w0 = UINT32_MAX, inv_w1 = 0;
     unsigned common = CLIP_NEAR | CLIP_LEFT | CLIP_RIGHT | CLIP_TOP | CLIP_BOTTOM, any = 0;
     struct raster_clip_vertex c[8];
-    box_corners(c, o, lo, hi);
-    for (unsigned i = 0; i < 8; i++) {
+    unsigned points = box_points(c, o, lo, hi);
+    for (unsigned i = 0; i < points; i++) {
         struct raster_vertex p;
         unsigned code = raster_clip_code(o, &c[i]);
         common &= code;
