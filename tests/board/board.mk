@@ -135,7 +135,7 @@ boards-build: $(foreach t,$(BOARD_TARGETS),$(B)/board/$(t)/firmware.elf $(B)/boa
 boards-built: boards-build
 	@B=$(B) tests/board/boards.sh
 # The check runs tests/e2e/test_boards.sh, the benchmark tests/board/bench.sh.
-check-built: boards-build
+check-built: boards-build $(if $(WORK_MESH),$(WORK_BLOBS))
 bench-built: boards-build $(if $(WORK_MESH),$(WORK_PROGRAMS))
 
 $(B)/board/profile.so: tests/board/profile.c
