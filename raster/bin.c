@@ -76,35 +76,10 @@ static bool cone_culled(const struct raster_object *o, const struct scene_meshle
     return (uint64_t)((int64_t)d * d) << 28 >= (uint64_t)length2 * (uint32_t)(m->cone_cutoff * m->cone_cutoff);
 }
 
-/* The eight corners of a box: one is transformed, the others follow by the rows' steps. Every sum is a vertex'. */
-static void box_corners(struct raster_clip_vertex c[8], const struct raster_object *o, const int16_t lo[3],
-                        const int16_t hi[3])
+/* The least and the largest X, Y and W of a box. */
+static void box_extremes(int32_t least[3], int32_t most[3], const struct raster_object *o, const int16_t lo[3],
+                         const int16_t hi[3])
 {
-    for (unsigned i = 0; i < 3; i++) {
-        int64_t sum[8];
-        sum[0] = o->offset[i];
-        for (unsigned k = 0; k < 3; k++)
-            sum[0] += (int64_t)o->row[i][k] * lo[k];
-        for (unsigned k = 0; k < 3; k++) {
-            int64_t side = (int64_t)o->row[i][k] * (hi[k] - lo[k]);
-            for (unsigned n = 0; n < 1u << k; n++)
-                sum[n | 1u << k] = sum[n] + side;
-        }
-        for (unsigned n = 0; n < 8; n++) {
-            int32_t x = (int32_t)(sum[n] >> ROW_BITS);
-            *(i == 0 ? &c[n].x : i == 1 ? &c[n].y : &c[n].w) = x;
-        }
-    }
-}
-
-/*
- * Points whose projections bound the box's; returns how many. X/w and Y/w lie between those of the least and the largest X, Y and w, which
- * exceed the corners' by the share by which w varies: where that is little, four points of the extremes do.
- */
-static unsigned box_points(struct raster_clip_vertex c[8], const struct raster_object *o, const int16_t lo[3],
-                           const int16_t hi[3])
-{
-    int32_t least[3], most[3]; /* of X, Y, w */
     for (unsigned i = 0; i < 3; i++) {
         int64_t a = o->offset[i], b;
         for (unsigned k = 0; k < 3; k++)
@@ -118,53 +93,57 @@ static unsigned box_points(struct raster_clip_vertex c[8], const struct raster_o
         least[i] = (int32_t)(a >> ROW_BITS);
         most[i] = (int32_t)(b >> ROW_BITS);
     }
-    if (least[2] < o->near_w || most[2] - least[2] > least[2] >> 4) {
-        box_corners(c, o, lo, hi);
+}
+
+/*
+ * Points, in front of the near plane, whose projections bound the box's; returns how many. X/W and Y/W lie between those of the
+ * extremes, which exceed the corners' by the share by which W varies: four points do where that is little, or where the near plane cuts
+ * the box.
+ */
+static unsigned box_points(struct raster_clip_vertex c[8], const struct raster_object *o, const int16_t lo[3],
+                           const int16_t hi[3], const int32_t least[3], const int32_t most[3])
+{
+    bool cut = least[2] < o->near_w;
+    if (!cut && most[2] - least[2] > least[2] >> 4) {
+        for (unsigned i = 0; i < 8; i++) {
+            const struct scene_vertex corner = {i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2], 0,
+                                                0};
+            raster_transform(&c[i], o, &corner);
+        }
         return 8;
     }
     for (unsigned i = 0; i < 4; i++) {
         const int32_t *xy = i & 1 ? most : least;
-        c[i] = (struct raster_clip_vertex){xy[0], xy[1], i & 2 ? most[2] : least[2], 0, 0};
+        c[i] = (struct raster_clip_vertex){xy[0], xy[1], i & 2 ? most[2] : cut ? o->near_w : least[2], 0, 0};
     }
     return 4;
 }
 
-/* Projects the box; false when it is outside the view. */
+/* Projects the box; false when it is outside the view. What is out of the guard band is taken to its border: off the picture. */
 static bool box_coverage(struct coverage *out, const struct raster *r, const struct raster_object *o,
                          const int16_t lo[3], const int16_t hi[3])
 {
     const int32_t width = r->width, height = r->height;
-    int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN;
-    int32_t w0 = INT32_MAX, w1 = 0;
+    int32_t x0 = INT32_MAX, y0 = INT32_MAX, x1 = INT32_MIN, y1 = INT32_MIN, least[3], most[3];
     uint32_t inv_w0 = UINT32_MAX, inv_w1 = 0;
-    unsigned common = CLIP_NEAR | CLIP_LEFT | CLIP_RIGHT | CLIP_TOP | CLIP_BOTTOM, any = 0;
     struct raster_clip_vertex c[8];
-    unsigned points = box_points(c, o, lo, hi);
+    box_extremes(least, most, o, lo, hi);
+    if (most[2] < o->near_w)
+        return false;
+    unsigned points = box_points(c, o, lo, hi, least, most);
     for (unsigned i = 0; i < points; i++) {
         struct raster_vertex p;
-        unsigned code = raster_clip_code(o, &c[i]);
-        common &= code;
-        any |= code;
-        w0 = fx_min(w0, c[i].w);
-        if (any)
-            continue;
         raster_project(&p, o, &c[i], width * 256 + 1, height * 256 + 1);
         x0 = fx_min(x0, p.x);
         x1 = fx_max(x1, p.x);
         y0 = fx_min(y0, p.y);
         y1 = fx_max(y1, p.y);
-        w1 = fx_max(w1, c[i].w);
         inv_w0 = p.inv_w < inv_w0 ? p.inv_w : inv_w0;
         inv_w1 = p.inv_w > inv_w1 ? p.inv_w : inv_w1;
     }
-    if (common)
-        return false;
-    if (any) { /* reaches behind the near plane or out of the guard band: the whole picture may be touched */
-        *out = (struct coverage){0, 0, r->tiles_x - 1, r->tiles_y - 1, w0, VISIBLE_SHIFT(INV_W_BITS - NORMAL_BITS)};
-        return true;
-    }
+    const int32_t w0 = fx_max(least[2], o->near_w), w1 = most[2];
     uint32_t bits = 32 - fx_clz(inv_w1 | 1);
-    out->nearest = w0;
+    out->nearest = least[2];
     out->flags = VISIBLE_SHIFT(bits > NORMAL_BITS ? bits - NORMAL_BITS : 0);
     /* A vertex inside the box may round 1/256 px beyond the corners'. First pixel centre >= x0-1, last < x1+1. */
     int32_t px0 = (x0 - 1 + 127) >> 8, px1 = (x1 + 1 - 128) >> 8, py0 = (y0 - 1 + 127) >> 8, py1 = (y1 + 1 - 128) >> 8;
@@ -172,9 +151,9 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
         return false;
     /* The small path's shifts are in range for every w between the corners'. */
     int32_t near_lead = (int32_t)fx_clz((uint32_t)w0), far_lead = (int32_t)fx_clz((uint32_t)w1);
-    if (x1 - x0 <= SMALL_EXTENT - 2 && y1 - y0 <= SMALL_EXTENT - 2 && inv_w1 - inv_w0 <= SMALL_DEPTH &&
-        o->shift_xy - near_lead >= 0 && o->shift_xy - far_lead <= 31 && o->shift_depth - near_lead >= 6 &&
-        o->shift_depth - far_lead <= 31)
+    if (least[2] >= o->near_w && x1 - x0 <= SMALL_EXTENT - 2 && y1 - y0 <= SMALL_EXTENT - 2 &&
+        inv_w1 - inv_w0 <= SMALL_DEPTH && o->shift_xy - near_lead >= 0 && o->shift_xy - far_lead <= 31 &&
+        o->shift_depth - near_lead >= 6 && o->shift_depth - far_lead <= 31)
         out->flags |= VISIBLE_SMALL;
     out->x0 = fx_max(px0, 0) / RASTER_TILE_WIDTH;
     out->y0 = fx_max(py0, 0) / RASTER_TILE_HEIGHT;
