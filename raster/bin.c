@@ -2,8 +2,8 @@
  * The frame's first half: set up and cull objects, choose their levels of detail, cull meshlets, bin what survives to tiles.
  *
  * The arena holds, in this order: list heads, objects in view, visible meshlets (growing up); list nodes grow down from its
- * end. Ids are 16 bits and name what is in the arena, not what is in the world. A meshlet is bound by its box's eight projected
- * corners, not by a sphere: half as many entries.
+ * end. Ids are 16 bits and name what is in the arena, not what is in the world. A meshlet is bound by its box's projection,
+ * not by a sphere: half as many entries.
  */
 #include "internal.h"
 

@@ -27,7 +27,7 @@ static struct vec3 light_local(const int16_t f[9], struct vec3 l)
                          (f[2] * l.x + f[5] * l.y + f[8] * l.z + (1 << 13)) >> 14};
 }
 
-/* max(n.l, 0), Q31: dot is below 2^29.9 as |(u,v,d)| <= 2^14.9 and |l| <= 2^15.01, its product with m below 2^44.1. */
+/* max(n.l, 0), Q31: |dot| <= 2^30.01 as |(u,v,d)| < 2^15 and |l| <= 2^15.01, its product with m <= 2^15 below 2^45.1. */
 static inline uint32_t cosine(const struct raster_surface *s, unsigned shift, struct vec3 l)
 {
     struct raster_normal n = raster_decode_normal(s, shift);

@@ -27,7 +27,8 @@
 #define INV_W_BITS     24 /* inv_w <= 2^23 */
 #define NORMAL_BITS    14
 #define VIEW_STEP_BITS 14
-#define DEPTH_BIAS     128u /* keeps an interpolated depth, which may err by its gradient's rounding, above zero */
+/* Keeps an interpolated depth above zero: it errs by less than 320, see make_gradient. A multiple of every D's unit. */
+#define DEPTH_BIAS 1024u
 
 #define ROW_BITS 16
 
@@ -78,8 +79,8 @@ static inline int32_t raster_homogeneous(int32_t u, uint32_t inv_w, unsigned shi
 
 /* A surface's normal in its meshlet's frame is (U m, V m, D m) * 2^-28 - (0, 0, 1). */
 struct raster_normal {
-    int32_t u, v, d; /* |u|, |v| <= 2^14.1, 2^6 <= d <= 2^14.1 */
-    int32_t m;       /* 2^29 d/(d^2+u^2+v^2), rounding below 2^-15 of it: d m <= 2^29.1, |u m|, |v m| <= 2^28.1 */
+    int32_t u, v, d; /* any common multiple, so that 2^28 <= u^2+v^2+d^2 < 2^30 */
+    int32_t m;       /* 2^29 d/(d^2+u^2+v^2) within 2^-16 of it: d m <= 2^29.1, |u m|, |v m| <= 2^28.1 */
 };
 static inline struct raster_normal raster_decode_normal(const struct raster_surface *s, unsigned shift)
 {

@@ -55,9 +55,8 @@ struct raster_frame {
     const struct lut_table *const *tables;  /* RASTER_MAX_SLOTS pointers, NULL where a slot is empty */
     uint16_t width, height;
     uint8_t light_count;
-    uint8_t format; /* enum raster_format */
-    uint8_t
-        samples; /* coverage samples per pixel: 4, or 0 or 1 for none but the centre; 4 needs width, height <= 2048 */
+    uint8_t format;  /* enum raster_format */
+    uint8_t samples; /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
 };
 
 struct raster_rect {

@@ -19,23 +19,22 @@ struct output {
     uint32_t width, height; /* pixels, or samples for TARGET_SAMPLES */
     uint32_t x0, y0;        /* the tile's first pixel, for views */
     enum target target;
-    uint8_t view_shift; /* 1: what is shaded are samples of a pixel */
-    uint8_t format;     /* of a finished value: the frame's, but RGB888 where samples will be averaged */
+    uint8_t format; /* of a finished value: the frame's, but RGB888 where samples will be averaged */
 };
 
 static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                                  enum target target)
 {
     unsigned shift = target == TARGET_SAMPLES ? r->sample_shift : 0;
-    return (struct output){r,
-                           t,
-                           (uint32_t)rect->width << shift,
-                           (uint32_t)rect->height << shift,
-                           rect->x,
-                           rect->y,
-                           target,
-                           (uint8_t)shift,
-                           r->sample_shift ? RASTER_RGB888 : r->frame.format};
+    uint8_t format = r->sample_shift ? RASTER_RGB888 : r->frame.format;
+    return (struct output){.r = r,
+                           .t = t,
+                           .width = (uint32_t)rect->width << shift,
+                           .height = (uint32_t)rect->height << shift,
+                           .x0 = rect->x,
+                           .y0 = rect->y,
+                           .target = target,
+                           .format = format};
 }
 
 /* Four sums of bytes fit ten bits each. */
@@ -158,12 +157,11 @@ static void gather_pixel(const struct output *o, const struct raster_slot *slot,
     if (b->count == RASTER_BATCH || (b->count && b->material != slot->material))
         flush(o, stats);
     b->material = slot->material;
-    uint32_t i = b->count++, shift = o->view_shift;
-    unsigned to_pixel = o->target == TARGET_RESOLVE;
+    uint32_t i = b->count++, shift = o->r->sample_shift; /* x, y are then those of a sample */
     b->pixel[i] = (uint16_t)(y * RASTER_TILE_WIDTH + x);
     b->weight[i] = (uint8_t)weight;
     b->normal[i] = raster_eye_normal(slot, sample);
-    b->view[i] = raster_view_vector(o->r, o->x0 + (x >> (shift | to_pixel)), o->y0 + (y >> (shift | to_pixel)));
+    b->view[i] = raster_view_vector(o->r, o->x0 + (x >> shift), o->y0 + (y >> shift));
     if (o->r->frame.materials[slot->material].kind == SCENE_MATERIAL_MEASURED)
         b->normal[i] = face_viewer(b->normal[i], b->view[i]);
     b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
@@ -177,28 +175,19 @@ static void gather_run(const struct output *o, const struct raster_slot *slot, u
         gather_pixel(o, slot, x, y, &o->t->surface[y * RASTER_TILE_WIDTH + x], 1, stats);
 }
 
-/* The same for a diffuse material, which needs no batch of its own: runs go through the batch's radiance. A run is at most a
- * row, thus a batch, long. */
-static void diffuse_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
-                        struct raster_stats *stats)
+/* The same for a material that is shaded run by run and needs no batch of its own: runs go through the batch's radiance. A run is at
+ * most a row, thus a batch, long. */
+static void shade_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
+                      bool diffuse, struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
+    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
     if (b->count)
         flush(o, stats);
-    raster_shade_diffuse(b, o->r, slot, o->t->surface + y * RASTER_TILE_WIDTH + x, count);
-    raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
-    put_run(o, x, y, b->radiance[0], count);
-    stats->shaded += count * o->r->frame.light_count;
-}
-
-/* And for Blinn-Phong where it is computed run by run. */
-static void blinn_phong_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y,
-                            uint32_t count, struct raster_stats *stats)
-{
-    struct raster_batch *b = &o->t->batch;
-    if (b->count)
-        flush(o, stats);
-    raster_shade_blinn_phong_run(b, o->r, slot, o->t->surface + y * RASTER_TILE_WIDTH + x, o->x0 + x, o->y0 + y, count);
+    if (diffuse)
+        raster_shade_diffuse(b, o->r, slot, s, count);
+    else
+        raster_shade_blinn_phong_run(b, o->r, slot, s, o->x0 + x, o->y0 + y, count);
     raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
     put_run(o, x, y, b->radiance[0], count);
     stats->shaded += count * o->r->frame.light_count;
@@ -244,10 +233,10 @@ static void shade_rows(const struct output *o, struct raster_stats *stats)
                 count++;
             stats->covered += o->target == TARGET_PIXELS ? count : 0;
             const struct raster_slot *info = &o->t->slots[slot];
-            if (raster_is_diffuse(&r->frame.materials[info->material]) && !r->sample_shift)
-                diffuse_run(o, info, x, y, count, stats);
-            else if (raster_has_blinn_phong_run(r, &r->frame.materials[info->material]) && !r->sample_shift)
-                blinn_phong_run(o, info, x, y, count, stats);
+            const struct scene_material *m = &r->frame.materials[info->material];
+            bool diffuse = raster_is_diffuse(m);
+            if (!r->sample_shift && (diffuse || raster_has_blinn_phong_run(r, m)))
+                shade_run(o, info, x, y, count, diffuse, stats);
             else
                 gather_run(o, info, x, y, count, stats);
             x += count;
@@ -301,28 +290,29 @@ static void resolve_tile(const struct output *o, struct raster_stats *stats)
         }
 }
 
+static void shade(const struct output *o, struct raster_stats *stats)
+{
+    o->t->batch.count = 0;
+    o->t->batch.diffuse_material = 0;
+    if (o->target == TARGET_RESOLVE) {
+        resolve_tile(o, stats);
+        return;
+    }
+    shade_rows(o, stats);
+    if (o->t->batch.count)
+        flush(o, stats);
+}
+
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats)
 {
     const struct output o = make_output(r, t, rect, r->sample_shift ? TARGET_RESOLVE : TARGET_PIXELS);
-    t->batch.count = 0;
-    t->batch.diffuse_material = 0;
-    if (r->sample_shift) {
-        resolve_tile(&o, stats);
-        return;
-    }
-    shade_rows(&o, stats);
-    if (t->batch.count)
-        flush(&o, stats);
+    shade(&o, stats);
 }
 
 void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats)
 {
     const struct output o = make_output(r, t, rect, TARGET_SAMPLES);
-    t->batch.count = 0;
-    t->batch.diffuse_material = 0;
-    shade_rows(&o, stats);
-    if (t->batch.count)
-        flush(&o, stats);
+    shade(&o, stats);
 }

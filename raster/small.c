@@ -102,14 +102,15 @@ struct plane {
 };
 
 /* In: the value at vertex a; e1, e2: differences b-a and c-a with two fraction bits less, |e| <= 2^28. The sums are at most
- * 2 * 2^28 * 2^28 and their shifted high words below 2^31, see make_gradient. `step` masks the changes. */
+ * 2 * 2^28 * 2^28 and their shifted high words below 2^31, see make_gradient. The changes are
+ * rounded to multiples of `step`, a power of two. */
 FX_NOINLINE static void make_plane(struct plane *p, const struct gradient *g, uint32_t value, int32_t e1, int32_t e2,
                                    uint32_t step)
 {
     int32_t dx = (int32_t)((((int64_t)e1 * g->dy2 + (int64_t)e2 * g->minus_dy1) >> 32));
     int32_t dy = (int32_t)((((int64_t)e2 * g->dx1 + (int64_t)e1 * g->minus_dx2) >> 32));
-    dx = (int32_t)(((uint32_t)dx << g->shift) & step);
-    dy = (int32_t)(((uint32_t)dy << g->shift) & step);
+    dx = (int32_t)((((uint32_t)dx << g->shift) + (step >> 1)) & (uint32_t) - (int32_t)step);
+    dy = (int32_t)((((uint32_t)dy << g->shift) + (step >> 1)) & (uint32_t) - (int32_t)step);
     uint32_t back = (uint32_t)(dx >> 8) * (uint32_t)g->fx + (uint32_t)(dy >> 8) * (uint32_t)g->fy;
     p->value = value - back + (uint32_t)dx * (uint32_t)g->px + (uint32_t)dy * (uint32_t)g->py;
     p->dx = (uint32_t)dx;
@@ -124,7 +125,7 @@ FX_NOINLINE static void make_plane(struct plane *p, const struct gradient *g, ui
  * Returns t = 0 for a triangle at least a pixel thick, no edge longer than area/256, that is all |K| < 2^(37-lead), and otherwise the least t
  * with |K| < 2^(37-lead+t). Then |gradient| <= 2^(t+1) |e|, and the high word's rounding, at most 2^(lead-3) a pixel over at
  * most 2^(16-lead+t) px, adds up to below 2^(14+t) of the result's units: 64 << t of the depth's, 1 << t of a normal's. Rounding the
- * depth's gradients to whole units adds as much as 64.
+ * depth's gradients to whole units adds half a unit a pixel and axis, 63: less than 320 for t <= 2.
  */
 static inline unsigned make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area)
 {
@@ -200,9 +201,9 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
     /* Depth 24.8 in whole units, |d| <= SMALL_DEPTH: the byte below holds the slot and is not touched by the steps. Normals Q14, plus
      * half a unit, with 16 more bits. */
     struct plane d, u, v;
-    make_plane(&d, &g, (a->inv_w + DEPTH_BIAS) << 8, d1 * 64, d2 * 64, ~(uint32_t)255);
-    make_plane(&u, &g, ((uint32_t)u0 << 16) + (1 << 15), u1 * 16384, u2 * 16384, UINT32_MAX);
-    make_plane(&v, &g, ((uint32_t)v0 << 16) + (1 << 15), v1 * 16384, v2 * 16384, UINT32_MAX);
+    make_plane(&d, &g, (a->inv_w + DEPTH_BIAS) << 8, d1 * 64, d2 * 64, 256);
+    make_plane(&u, &g, ((uint32_t)u0 << 16) + (1 << 15), u1 * 16384, u2 * 16384, 1);
+    make_plane(&v, &g, ((uint32_t)v0 << 16) + (1 << 15), v1 * 16384, v2 * 16384, 1);
     d.value = (d.value & ~(uint32_t)255) | slot;
 
     struct raster_surface *line = t->surface + row * RASTER_TILE_WIDTH;
