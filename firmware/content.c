@@ -96,8 +96,12 @@ static struct table_store_result set_model(struct app_content *c, uint32_t model
 {
     if (model >= SCENE_MATERIAL_KIND_COUNT && model != MODEL_OF_SCENE)
         return refused(0);
-    for (uint32_t m = 0; m < c->scene.header->materials.count; m++)
-        c->materials[m].kind = model == MODEL_OF_SCENE ? c->scene.materials[m].kind : (uint8_t)model;
+    for (uint32_t i = 0; i < c->scene.header->materials.count; i++) {
+        struct scene_material *m = &c->materials[i];
+        m->kind = model == MODEL_OF_SCENE ? c->scene.materials[i].kind : (uint8_t)model;
+        if (m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS && m->roughness < SCENE_MIN_ROUGHNESS)
+            m->roughness = SCENE_MIN_ROUGHNESS;
+    }
     return accepted;
 }
 

@@ -6,7 +6,9 @@
 
 static const char *const names[SCENE_MATERIAL_KIND_COUNT] = {[SCENE_MATERIAL_MEASURED] = "measured",
                                                              [SCENE_MATERIAL_LAFORTUNE_PHONG] = "lafortune_phong",
-                                                             [SCENE_MATERIAL_BLINN_PHONG] = "blinn_phong"};
+                                                             [SCENE_MATERIAL_BLINN_PHONG] = "blinn_phong",
+                                                             [SCENE_MATERIAL_METALLIC_ROUGHNESS] =
+                                                                 "metallic_roughness"};
 
 uint32_t model_find(const char *name)
 {

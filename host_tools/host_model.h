@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#define MODEL_NAMES    "measured, lafortune_phong, blinn_phong"
+#define MODEL_NAMES    "measured, lafortune_phong, blinn_phong, metallic_roughness"
 #define MODEL_OF_SCENE UINT32_MAX
 
 /* enum scene_material_kind of a name; MODEL_OF_SCENE when it is none. */

@@ -23,7 +23,7 @@ const char *scene_status_text(enum scene_status s)
         "more bytes, objects, materials or lights than the limit",
         "camera out of range or its rotation not orthonormal",
         "exposure, tone curve or level-of-detail threshold out of range",
-        "light of unknown kind, out of range or its direction not of unit length",
+        "light of unknown kind, out of range, without radius or its direction not of unit length",
         "material of unknown kind, out of range or badly named",
         "object with a missing mesh or material, a bad rotation or a bad scale",
         "mesh with levels out of order or a box that does not hold it",
@@ -86,7 +86,11 @@ enum scene_status scene_check_output(const struct scene_output *o)
 
 enum scene_status scene_check_light(const struct scene_light *l)
 {
-    if (l->kind != SCENE_LIGHT_DIRECTIONAL || l->reserved[0] || l->reserved[1] || l->reserved[2])
+    if (l->reserved[0] || l->reserved[1] || l->reserved[2])
+        return SCENE_ERR_LIGHT;
+    if (l->kind == SCENE_LIGHT_POINT) /* any position and intensity */
+        return l->radius && l->radius <= SCENE_MAX_RADIUS ? SCENE_OK : SCENE_ERR_LIGHT;
+    if (l->kind != SCENE_LIGHT_DIRECTIONAL || l->radius)
         return SCENE_ERR_LIGHT;
     for (int i = 0; i < 3; i++)
         if (l->irradiance[i] > MAX_BRIGHTNESS)
@@ -97,7 +101,10 @@ enum scene_status scene_check_light(const struct scene_light *l)
 static bool material_is_valid(const struct scene_material *m)
 {
     if (m->kind >= SCENE_MATERIAL_KIND_COUNT || m->slot > MAX_SLOT || m->reserved[0] || m->reserved[1] ||
-        m->exponent > MAX_EXPONENT)
+        m->exponent > MAX_EXPONENT || m->metalness > ONE_Q16 || m->roughness > ONE_Q16)
+        return false;
+    if (m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS &&
+        (m->roughness < SCENE_MIN_ROUGHNESS || (m->ks[0] | m->ks[1] | m->ks[2])))
         return false;
     for (int i = 0; i < 3; i++)
         if (m->kd[i] > ONE_Q16 || m->ks[i] > ONE_Q16)

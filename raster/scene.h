@@ -19,14 +19,17 @@
 #include "fixed.h"
 
 #define SCENE_MAGIC                 0x43535447u /* "GTSC" */
-#define SCENE_VERSION               2u
+#define SCENE_VERSION               3u
 #define SCENE_MAX_BYTES             (64u << 20)
 #define SCENE_MAX_OBJECTS           4096u
 #define SCENE_MAX_MATERIALS         64u
-#define SCENE_MAX_LIGHTS            16u
+#define SCENE_MAX_LIGHTS            128u
 #define SCENE_MESHLET_MAX_VERTICES  32u
 #define SCENE_MESHLET_MAX_TRIANGLES 32u
 #define SCENE_MAX_LOD_ERROR         (64u << 16)
+#define SCENE_MAX_RADIUS            (32768u << 16)
+/* 1/32: the lobe of alpha = 2^-10 is eight steps of a stored normal (2^-13 rad) wide; a narrower one would fall between them. */
+#define SCENE_MIN_ROUGHNESS (1u << 11)
 
 struct scene_array {
     uint32_t offset; /* bytes from the start of the blob, a multiple of 4 */
@@ -52,19 +55,29 @@ struct scene_output {
     uint8_t background[3]; /* sRGB, what a pixel without surface shows */
 };
 
-enum scene_light_kind { SCENE_LIGHT_DIRECTIONAL = 0 };
+enum scene_light_kind { SCENE_LIGHT_DIRECTIONAL = 0, SCENE_LIGHT_POINT = 1 };
 
+/*
+ * A point light of power P (any photometric or radiant unit per colour) has the intensity I = P / (4 pi); on a surface facing it
+ * at distance d the irradiance is I * min(1/max(d, 0.01)^2 * clamp(1 - (d/radius)^4, 0, 1)^2, 1), see point_light.h.
+ */
 struct scene_light {
-    uint8_t kind;            /* enum scene_light_kind */
-    uint8_t reserved[3];     /* 0 */
-    q2_30_t direction[3];    /* world space, unit within 2^-14, towards the light */
-    uq16_16_t irradiance[3]; /* on a surface facing the light, linear sRGB; pi on white diffuse is display white */
+    uint8_t kind;        /* enum scene_light_kind */
+    uint8_t reserved[3]; /* 0 */
+    union {
+        q2_30_t direction[3]; /* directional: world space, unit within 2^-14, towards the light */
+        q16_16_t position[3]; /* point: world space */
+    };
+    uq16_16_t irradiance[3]; /* linear sRGB. Directional: on a surface facing the light, 0..256; pi on white diffuse is
+                                display white. Point: its intensity, any */
+    uq16_16_t radius;        /* point: where its light ends, > 0, at most SCENE_MAX_RADIUS; directional: 0 */
 };
 
 enum scene_material_kind {
     SCENE_MATERIAL_MEASURED = 0,
     SCENE_MATERIAL_LAFORTUNE_PHONG = 1, /* f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n */
     SCENE_MATERIAL_BLINN_PHONG = 2,     /* see raster/blinn_phong.c */
+    SCENE_MATERIAL_METALLIC_ROUGHNESS = 3,
     SCENE_MATERIAL_KIND_COUNT
 };
 
@@ -72,9 +85,11 @@ struct scene_material {
     uint8_t kind;        /* enum scene_material_kind */
     uint8_t slot;        /* table slot, for measured */
     uint8_t reserved[2]; /* 0 */
-    uq16_16_t kd[3];     /* of the two analytic models: 0..1 */
-    uq16_16_t ks[3];     /* 0..1 */
+    uq16_16_t kd[3];     /* 0..1; of metallic-roughness its base colour */
+    uq16_16_t ks[3];     /* 0..1; of metallic-roughness 0 */
     uq16_16_t exponent;  /* n, 0..4096 */
+    uq16_16_t metalness; /* 0..1 */
+    uq16_16_t roughness; /* 0..1; of metallic-roughness at least SCENE_MIN_ROUGHNESS */
     char name[16];       /* ASCII, NUL-padded */
 };
 
@@ -144,8 +159,8 @@ struct scene_header {
 
 _Static_assert(sizeof(struct scene_camera) == 56, "layout");
 _Static_assert(sizeof(struct scene_output) == 8, "layout");
-_Static_assert(sizeof(struct scene_light) == 28, "layout");
-_Static_assert(sizeof(struct scene_material) == 48, "layout");
+_Static_assert(sizeof(struct scene_light) == 32, "layout");
+_Static_assert(sizeof(struct scene_material) == 56, "layout");
 _Static_assert(sizeof(struct scene_object) == 60, "layout");
 _Static_assert(sizeof(struct scene_mesh) == 20, "layout");
 _Static_assert(sizeof(struct scene_lod) == 12, "layout");

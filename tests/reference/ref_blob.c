@@ -56,6 +56,7 @@ void ref_blob_light(struct ref_blob *b, const double direction[3], double irradi
         put_fixed(a, 4, direction[i] / length, 30);
     for (int i = 0; i < 3; i++)
         put_fixed(a, 4, irradiance, 16);
+    put_int(a, 4, 0);
     a->count++;
 }
 
@@ -67,7 +68,7 @@ unsigned ref_blob_material(struct ref_blob *b, unsigned kind, unsigned slot, dou
     put_int(a, 1, kind);
     put_int(a, 1, slot);
     put_int(a, 2, 0);
-    put_vector(a, 4, (double[7]){kd, kd, kd, 0, 0, 0, 1}, 7, 16);
+    put_vector(a, 4, (double[9]){kd, kd, kd, 0, 0, 0, 1, 0, 0}, 9, 16);
     put(a, padded, sizeof padded);
     return a->count++;
 }
@@ -184,7 +185,7 @@ void *ref_blob_finish(const struct ref_blob *b, size_t *bytes)
         total += (b->array[i].bytes + 3) & ~(size_t)3;
     }
     put(&out, "GTSC", 4);
-    put_int(&out, 2, 2);
+    put_int(&out, 2, 3);
     put_int(&out, 2, HEADER_BYTES);
     put_int(&out, 4, (int64_t)total);
     put_vector(&out, 4, b->eye, 3, 16);

@@ -11,8 +11,8 @@ enum {
     AT_OUTPUT = 68,
     AT_ARRAYS = 76,
     HEADER_SIZE = 144,
-    LIGHT_SIZE = 28,
-    MATERIAL_SIZE = 48,
+    LIGHT_SIZE = 32,
+    MATERIAL_SIZE = 56,
     OBJECT_SIZE = 60,
     MESH_SIZE = 20,
     LOD_SIZE = 12,
@@ -98,7 +98,7 @@ static void read_material(struct ref_material *out, const uint8_t *p)
         out->ks[k] = get_ufixed(p + 16 + 4 * k, 16);
     }
     out->exponent = get_ufixed(p + 28, 16);
-    memcpy(out->name, p + 32, 16);
+    memcpy(out->name, p + 40, 16);
     out->name[16] = 0;
 }
 
@@ -195,7 +195,7 @@ static int read_arrays(struct ref_scene *s, const uint8_t *blob, size_t bytes)
 struct ref_scene *ref_scene_open(const void *blob, size_t bytes)
 {
     const uint8_t *b = blob;
-    if (bytes < HEADER_SIZE || memcmp(b, "GTSC\2\0\220\0", 8) || get_u32(b + AT_TOTAL) != bytes)
+    if (bytes < HEADER_SIZE || memcmp(b, "GTSC\3\0\220\0", 8) || get_u32(b + AT_TOTAL) != bytes)
         return NULL;
     struct ref_scene *s = calloc(1, sizeof *s);
     if (!s)
