@@ -115,12 +115,12 @@ int gtlut_build(int argc, char **argv)
 
     char *extrapolation = extrapolation_text(&grid, &o);
     char *theta_max = xasprintf("%ld", lround(1e3 * table.theta_max));
-    const struct ktx2_pair pairs[] = {{"KTXwriter", "Goniotile gtlut " GONIOTILE_VERSION},
-                                      {"goniotile.extrapolation", extrapolation},
-                                      {"goniotile.kind", "specular_frame"},
-                                      {"goniotile.source", m.source},
-                                      {"goniotile.theta_max", theta_max},
-                                      {"goniotile.version", "1"}};
+    const struct ktx2_pair pairs[] = {{"KTXwriter", "Goniotile gtlut " GONIOTILE_VERSION, 0},
+                                      {"goniotile.extrapolation", extrapolation, 0},
+                                      {"goniotile.kind", "specular_frame", 0},
+                                      {"goniotile.source", m.source, 0},
+                                      {"goniotile.theta_max", theta_max, 0},
+                                      {"goniotile.version", "1", 0}};
     size_t bytes;
     uint8_t *file =
         ktx2_compose(&bytes, texels, table.width, table.height, table.depth, pairs, sizeof pairs / sizeof *pairs);

@@ -54,9 +54,14 @@ static uint8_t *put_descriptor(uint8_t *p)
     return p;
 }
 
+static size_t value_bytes(const struct ktx2_pair *pair)
+{
+    return pair->bytes ? pair->bytes : strlen(pair->value) + 1;
+}
+
 static size_t pair_bytes(const struct ktx2_pair *pair)
 {
-    return strlen(pair->key) + 1 + strlen(pair->value) + 1;
+    return strlen(pair->key) + 1 + value_bytes(pair);
 }
 
 static size_t padded(size_t bytes)
@@ -99,7 +104,7 @@ uint8_t *ktx2_compose(size_t *bytes, const uint32_t *texels, uint32_t width, uin
         size_t key_bytes = strlen(pairs[i].key) + 1, n = pair_bytes(&pairs[i]);
         p = put_u32(p, (uint32_t)n);
         memcpy(p, pairs[i].key, key_bytes);
-        memcpy(p + key_bytes, pairs[i].value, n - key_bytes);
+        memcpy(p + key_bytes, pairs[i].value, value_bytes(&pairs[i]));
         p += padded(n);
     }
     for (size_t i = 0; i < count; i++)

@@ -9,7 +9,9 @@
 #include <stdint.h>
 
 struct ktx2_pair {
-    const char *key, *value; /* NUL-terminated UTF-8; the NUL of the value is stored */
+    const char *key;   /* NUL-terminated UTF-8 */
+    const void *value; /* `bytes` bytes; when that is 0, NUL-terminated UTF-8, whose NUL is stored */
+    size_t bytes;
 };
 
 /* The whole file, malloc'd. In: width*height*depth texels, x fastest; pairs in ascending byte order of their

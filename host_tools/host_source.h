@@ -1,0 +1,45 @@
+/*
+ * A BRDF as a function of two directions, whatever file it comes from: what the half-vector table is fitted to and what errors
+ * are measured against. Everything in double precision, in the tangent frame: z is the normal.
+ */
+#ifndef HOST_TOOLS_HOST_SOURCE_H
+#define HOST_TOOLS_HOST_SOURCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "host_measurement.h"
+
+struct brdf_source {
+    char name[64]; /* printable ASCII, NUL-padded: what to put into goniotile.source */
+    /* BRDF in 1/sr, >= 0 and finite, for unit vectors with positive z. Need not be reciprocal. */
+    void (*value)(double rgb[3], const void *ctx, const double l[3], const double v[3]);
+    void *ctx;
+    void (*close)(void *ctx);   /* NULL when ctx is not owned */
+    double theta_in, theta_out; /* degrees: beyond these the values are extrapolated; 90 when never */
+};
+
+/*
+ * Opens what stands at `path`, told apart by content:
+ *   an RGL .bsdf file            evaluated as Dupuy and Jakob 2018 define it
+ *   a measurement file or CSV    source_from_grid
+ *   a table file of either kind  evaluated in double from its texels
+ *   FILE.csv:NAME                one material of a table of shifted-gamma fits (Bagher et al. 2012, as merl_sgd.csv has them)
+ * Dies with EXIT_FILE or EXIT_BAD_INPUT. Free with source_close.
+ */
+void source_open(struct brdf_source *out, const char *path);
+void source_close(struct brdf_source *s);
+
+/* A measurement on a grid, taken over (*grid is emptied): bilinear in the outgoing angles; between theta_in slices the value is
+ * interpolated. Slices beyond the last and angles beyond the largest measured clamp. When n.l < n.v, l and v are
+ * swapped (Helmholtz), so that the smaller angle of the two is looked up as theta_in. The slice theta_in = 0 is averaged over
+ * phi_out first. */
+void source_from_grid(struct brdf_source *out, struct measurement_grid *grid, const char *name);
+
+/* Names of the materials of a table of fits; returns their number. `names` is malloc'd as one block. Dies as source_open. */
+size_t source_fit_names(char (**names)[64], const char *path);
+
+/* (f(l,v) + f(v,l)) / 2, each also mirrored at the plane of l and n and averaged: what a half-vector table can hold. */
+void source_symmetric(double rgb[3], const struct brdf_source *s, const double l[3], const double v[3]);
+
+#endif
