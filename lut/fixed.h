@@ -92,6 +92,15 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
+/* ~2^61 / x for a normalised x >= 2^31. Out: 2^29 .. 2^30, relative error <= 2^-27: one 16-bit division and one Newton
+ * step, whose square of the first error (2^-15) is what remains. */
+static inline uint32_t fx_recip(uint32_t x)
+{
+    uint32_t r0 = UINT32_MAX / (x >> 16);                         /* 2^48/x (1+d), 65537 <= r0 <= 131071 */
+    int32_t d = (int32_t)(fx_mulhi_u(x, r0 << 15) - 0x80000000u); /* d * 2^31, |d| <= 2^-15 */
+    return (r0 << 13) - (uint32_t)fx_mulhi((int32_t)(r0 << 13), d * 2);
+}
+
 /* Dot product of two vectors with |component| <= 2^15 (1.0 = 2^15).
  * Out: 1.0 = 2^30. Bound: unit vectors give |dot| <= 2^30 * (1 + 2^-12), inside int32. */
 static inline q2_30_t fx_dot(struct vec3 a, struct vec3 b)

@@ -61,6 +61,9 @@ const char *lut_status_text(enum lut_status s)
         [LUT_ERR_KIND] = "the kind of table is missing or unknown",
         [LUT_ERR_VERSION] = "the table's version is missing or newer than this reader",
         [LUT_ERR_AXES] = "the table's axes are missing or out of range",
+        [LUT_ERR_WARP] = "a warp is missing, not monotone or does not end at the last node",
+        [LUT_ERR_EXPONENT] = "the cell exponents or the scale are missing or out of range",
+        [LUT_ERR_SLABS] = "the re-packed copy is cut short or points outside itself",
     };
     return (unsigned)s < LUT_STATUS_COUNT ? text[s] : "unknown status";
 }
@@ -188,7 +191,7 @@ enum lut_status ktx2_open(struct ktx2_view *out, const void *file, size_t bytes)
     return LUT_OK;
 }
 
-const uint8_t *ktx2_find(const struct ktx2_view *v, const char *key, uint32_t *bytes)
+const uint8_t *ktx2_find_bytes(const struct ktx2_view *v, const char *key, uint32_t *bytes)
 {
     const uint8_t *p = v->kvd, *end = v->kvd + v->kvd_bytes;
     const uint8_t *name = (const uint8_t *)key;
@@ -196,14 +199,19 @@ const uint8_t *ktx2_find(const struct ktx2_view *v, const char *key, uint32_t *b
     while (p < end) {
         uint32_t length = read32(p);
         if (name_bytes <= length && equals_bytes(p + 4, name, name_bytes)) {
-            const uint8_t *value = p + 4 + name_bytes;
             *bytes = length - name_bytes;
-            if (*bytes > 0 && value[*bytes - 1] == 0) {
-                --*bytes;
-            }
-            return value;
+            return p + 4 + name_bytes;
         }
         p += 4 + ((length + 3) & ~3u);
     }
     return NULL;
+}
+
+const uint8_t *ktx2_find(const struct ktx2_view *v, const char *key, uint32_t *bytes)
+{
+    const uint8_t *value = ktx2_find_bytes(v, key, bytes);
+    if (value != NULL && *bytes > 0 && value[*bytes - 1] == 0) {
+        --*bytes;
+    }
+    return value;
 }

@@ -20,6 +20,9 @@ enum lut_status {
     LUT_ERR_KIND,       /* goniotile.kind missing or unknown */
     LUT_ERR_VERSION,    /* goniotile.version missing or newer than this reader */
     LUT_ERR_AXES,       /* goniotile.* metadata missing, out of range or inconsistent with the dimensions */
+    LUT_ERR_WARP,       /* a warp missing, of the wrong length, decreasing, or not from the first to the last node */
+    LUT_ERR_EXPONENT,   /* cell exponents missing or above 31, scale out of range */
+    LUT_ERR_SLABS,      /* the re-packed copy is cut short or points outside itself */
     LUT_STATUS_COUNT
 };
 
@@ -44,5 +47,7 @@ enum lut_status ktx2_open(struct ktx2_view *out, const void *file, size_t bytes)
 /* Value bytes of a key in an opened view, or NULL; of duplicates the first. *bytes excludes a terminating NUL if
  * there is one. */
 const uint8_t *ktx2_find(const struct ktx2_view *v, const char *key, uint32_t *bytes);
+/* The same with every byte counted, for values that are not text. Any alignment but that of the key's length. */
+const uint8_t *ktx2_find_bytes(const struct ktx2_view *v, const char *key, uint32_t *bytes);
 
 #endif

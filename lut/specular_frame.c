@@ -7,7 +7,8 @@
  * taken between vectors, before squaring, so that small angles keep their bits.
  */
 #include "func.h"
-#include "lut.h"
+#include "interpolate.h"
+#include "kinds.h"
 
 struct coordinates { /* 180 degrees = 2^28, a full turn of phi_d = 2^28 */
     uint32_t phi_d, theta_d, theta_in;
@@ -60,84 +61,25 @@ static void coordinates_find(struct coordinates *out, int32_t nl, struct vec3 n,
     out->phi_d = lut_turn((int32_t)(dot64(v, t) >> 15), (int32_t)(dot64(v, u) >> 15));
 }
 
-/* The cell of a coordinate with 12 fraction bits: lower node, distance to the upper node (0 at the last node),
- * weight of the upper node. */
-struct cell {
-    uint32_t node, step, fraction;
-};
-
-static struct cell cell_find(uint32_t x, uint32_t nodes)
-{
-    uint32_t last = (nodes - 1) << 12;
-    if (x >= last) {
-        return (struct cell){nodes - 1, 0, 0};
-    }
-    return (struct cell){x >> 12, 1, x & 4095};
-}
-
-/* Splits weight w, at most 2^20, by the fraction: the upper part is returned and taken off w, so that the total stays.
- * The product is at most 2^20 * 4095 + 2^11 < 2^32. */
-static uint32_t weight_split(uint32_t *w, uint32_t fraction)
-{
-    uint32_t upper = (*w * fraction + 2048) >> 12;
-    *w -= upper;
-    return upper;
-}
-
-struct tap {
-    uint32_t texel, weight;
-};
-
-/* Fetches a row's two texels and splits the row's weight between them. Returns the largest exponent so far. */
-static uint32_t row_fetch(struct tap out[2], const uint32_t *row, struct cell x, uint32_t weight, uint32_t largest)
-{
-    out[0].texel = row[0];
-    out[1].texel = row[x.step];
-    out[1].weight = weight_split(&weight, x.fraction);
-    out[0].weight = weight;
-    largest = out[0].texel >> 27 > largest ? out[0].texel >> 27 : largest;
-    return out[1].texel >> 27 > largest ? out[1].texel >> 27 : largest;
-}
-
-unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
+struct lut_rgb lut_specular_frame(const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
 {
     struct coordinates at;
     int32_t nl = dot_wrapping(n, l);
-    if (nl <= 0 || dot_wrapping(n, v) <= 0) {
-        *out = (struct lut_rgb){{0, 0, 0}, 0};
-        return 0;
+    if (t->swap && nl < dot_wrapping(n, v)) {
+        struct vec3 w = l;
+        l = v;
+        v = w;
+        nl = dot_wrapping(n, l);
     }
     coordinates_find(&at, nl, n, l, v);
-
     /* angle 2^28 * (nodes-1) 2^16 / 2^32 = coordinate 2^12; nodes <= 2^12 */
-    struct cell x = cell_find(fx_mulhi_u(at.phi_d, (t->width - 1) << 16), t->width);
-    struct cell y = cell_find(fx_mulhi_u(at.theta_d, (t->height - 1) << 16), t->height);
-    struct cell z = cell_find(fx_mulhi_u(at.theta_in, t->slice_scale), t->depth);
-
-    /* The eight weights sum to exactly 2^20. */
-    struct tap taps[8];
-    uint32_t w00 = 1u << 20, w10 = weight_split(&w00, z.fraction);
-    uint32_t w01 = weight_split(&w00, y.fraction), w11 = weight_split(&w10, y.fraction);
-    const uint32_t *first = t->texels + (z.node * t->height + y.node) * t->width + x.node; /* < 2^24 */
-    const uint32_t *second = first + z.step * t->width * t->height;
-    uint32_t row = y.step * t->width;
-    uint32_t largest = row_fetch(taps, first, x, w00, 0);
-    largest = row_fetch(taps + 2, first + row, x, w01, largest);
-    largest = row_fetch(taps + 4, second, x, w10, largest);
-    largest = row_fetch(taps + 6, second + row, x, w11, largest);
-
-    uint32_t red = 0, green = 0, blue = 0; /* at most 511 * 2^20, relative to 2^(largest - 24 - 20) */
-    for (int i = 0; i < 8; i++) {
-        struct lut_rgb m = lut_rgb9e5_decode(taps[i].texel);
-        uint32_t weight = taps[i].weight >> (largest - (taps[i].texel >> 27));
-        red += m.c[0] * weight;
-        green += m.c[1] * weight;
-        blue += m.c[2] * weight;
+    struct lut_rgb f = lut_interpolate(t->texels, t->width, t->height,
+                                       lut_cell_find(fx_mulhi_u(at.phi_d, (t->width - 1) << 16), 12, t->width),
+                                       lut_cell_find(fx_mulhi_u(at.theta_d, (t->height - 1) << 16), 12, t->height),
+                                       lut_cell_find(fx_mulhi_u(at.theta_in, t->slice_scale), 12, t->depth));
+    for (int k = 0; k < 3; k++) {
+        f.c[k] = (f.c[k] + 128) >> 8; /* <= 511 * 2^12 */
     }
-    uint32_t cosine = (uint32_t)nl > 1u << 30 ? 1u << 30 : (uint32_t)nl;
-    out->c[0] = (fx_mulhi_u(red, cosine) + 32) >> 6; /* <= 511 * 2^12 */
-    out->c[1] = (fx_mulhi_u(green, cosine) + 32) >> 6;
-    out->c[2] = (fx_mulhi_u(blue, cosine) + 32) >> 6;
-    out->e = (int32_t)largest - 24 - 12;
-    return 8;
+    f.e += 8;
+    return f;
 }

@@ -209,7 +209,7 @@ static struct magnitude magnitude_mul(struct magnitude a, struct magnitude b)
 
 static struct magnitude magnitude_inverse(struct magnitude a)
 {
-    uint32_t m = raster_recip(a.m); /* 2^29 .. 2^30 for 2^61/m */
+    uint32_t m = fx_recip(a.m); /* 2^29 .. 2^30 for 2^61/m */
     unsigned lead = fx_clz(m);
     return (struct magnitude){m << lead, -61 - a.e - (int32_t)lead};
 }

@@ -54,7 +54,7 @@ static struct raster_clip_vertex cut(const struct raster_object *o, const struct
     uint32_t hi = (uint32_t)(whole >> 32);
     unsigned lead = hi ? fx_clz(hi) : 32 + fx_clz((uint32_t)whole); /* whole >= 1 */
     uint32_t w32 = (uint32_t)(whole << lead >> 32), p32 = (uint32_t)(part << lead >> 32);
-    uint32_t q = fx_mulhi_u(p32, raster_recip(w32)); /* part/whole * 2^29 */
+    uint32_t q = fx_mulhi_u(p32, fx_recip(w32)); /* part/whole * 2^29 */
     int32_t t = (int32_t)(q > 1u << 29 ? 1u << 30 : q << 1);
     struct raster_clip_vertex v = {lerp(in->x, out->x, t), lerp(in->y, out->y, t), lerp(in->w, out->w, t),
                                    (int16_t)lerp(in->u, out->u, t), (int16_t)lerp(in->v, out->v, t)};

@@ -88,7 +88,7 @@ void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, c
         return;
     uint32_t hi = (uint32_t)(area >> 32);
     unsigned lead = hi ? fx_clz(hi) : 32 + fx_clz((uint32_t)area);
-    uint32_t recip = raster_recip((uint32_t)(area << lead >> 32));
+    uint32_t recip = fx_recip((uint32_t)(area << lead >> 32));
     int64_t dx1 = b->x - a->x, dy1 = b->y - a->y, dx2 = c->x - a->x, dy2 = c->y - a->y; /* < 2^23 */
     int32_t db = (int32_t)(b->inv_w - a->inv_w), dc = (int32_t)(c->inv_w - a->inv_w);
     for (int32_t i = 0; i < s.rows; i++) {

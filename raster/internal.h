@@ -62,15 +62,6 @@ struct raster_node {
     uint16_t next;    /* 0 = end */
 };
 
-/* ~2^61 / x for a normalised x >= 2^31. Out: 2^29 .. 2^30, relative error <= 2^-27: one 16-bit division and one Newton
- * step, whose square of the first error (2^-15) is what remains. */
-static inline uint32_t raster_recip(uint32_t x)
-{
-    uint32_t r0 = UINT32_MAX / (x >> 16);                         /* 2^48/x (1+d), 65537 <= r0 <= 131071 */
-    int32_t d = (int32_t)(fx_mulhi_u(x, r0 << 15) - 0x80000000u); /* d * 2^31, |d| <= 2^-15 */
-    return (r0 << 13) - (uint32_t)fx_mulhi((int32_t)(r0 << 13), d * 2);
-}
-
 /* A vertex' normal coordinate in homogeneous form: times D. |u| <= 2^14. */
 static inline int32_t raster_homogeneous(int32_t u, uint32_t inv_w, unsigned shift)
 {

@@ -106,7 +106,10 @@ static void shade_measured(const struct raster *r, struct raster_batch *b, const
         stats->fetches += fetches;
         stats->shaded++;
         for (int k = 0; k < 3; k++)
-            b->radiance[i][k] = add_radiance(b->radiance[i][k], f.c[k], f.e, light->irradiance[k]);
+            b->radiance[i][k] = add_radiance(
+                b->radiance[i][k],
+                (uint32_t)((uint64_t)f.c[k] * (uint32_t)fx_min(fx_dot(b->normal[i], light->direction), 1 << 30) >> 30),
+                f.e, light->irradiance[k]);
     }
 }
 

@@ -32,7 +32,7 @@ void raster_transform_small(struct raster_small *out, const struct raster_object
         struct raster_clip_vertex c;
         raster_transform(&c, o, v);
         unsigned lead = fx_clz((uint32_t)c.w);
-        uint32_t recip = raster_recip((uint32_t)c.w << lead);
+        uint32_t recip = fx_recip((uint32_t)c.w << lead);
         unsigned s = (unsigned)o->shift_xy - lead; /* 0..31, see box_coverage */
         int32_t x = ((fx_mulhi(c.x, (int32_t)recip) >> s) + centre_x2) >> 1;
         int32_t y = ((fx_mulhi(c.y, (int32_t)recip) >> s) + centre_y2) >> 1;
@@ -130,7 +130,7 @@ FX_NOINLINE static void make_plane(struct plane *p, const struct gradient *g, ui
 static inline unsigned make_gradient(struct gradient *g, uint32_t a, uint32_t b, uint32_t c, uint32_t area)
 {
     unsigned lead = fx_clz(area); /* 4..31 */
-    int32_t q = (int32_t)raster_recip(area << lead);
+    int32_t q = (int32_t)fx_recip(area << lead);
     g->dx1 = fx_mulhi((low(b) - low(a)) * 65536, q);
     g->minus_dy1 = fx_mulhi((high(a) - high(b)) * 65536, q);
     g->minus_dx2 = fx_mulhi((low(a) - low(c)) * 65536, q);

@@ -73,7 +73,7 @@ static void eye_setup(struct raster_object *o, const struct scene_object *so, co
         all |= magnitude(e[j]);
     }
     /* 1/scale: mantissa in [2^30, 2^31), so recip(2m) = 2^60/m. */
-    struct scaled inverse = {raster_recip(so->scale_mantissa << 1), 30 + so->scale_shift - 60};
+    struct scaled inverse = {fx_recip(so->scale_mantissa << 1), 30 + so->scale_shift - 60};
     int32_t bits = bit_length(all) - 46 + 1 + so->scale_shift; /* upper bound of the result's length */
     o->eye_shift = (uint8_t)(bits > 16 ? bits - 16 : 0);
     for (int j = 0; j < 3; j++)
@@ -154,7 +154,7 @@ void raster_project(struct raster_vertex *p, const struct raster_object *o, cons
 {
     const int32_t limit = 1 << (GUARD_BITS + 9);    /* half sub-pixels */
     int32_t lead = (int32_t)fx_clz((uint32_t)c->w); /* w >= 1 */
-    uint32_t recip = raster_recip((uint32_t)c->w << lead);
+    uint32_t recip = fx_recip((uint32_t)c->w << lead);
     int32_t s = o->shift_xy - lead, sd = o->shift_depth - lead;
     /* |x| < 2^31, recip <= 2^30: the product fits */
     int32_t hx = fx_clamp(shift_product((int64_t)c->x * (int32_t)recip, s), -limit, limit);

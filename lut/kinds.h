@@ -1,0 +1,11 @@
+/* What lut_eval chooses from. Not for embedders. */
+#ifndef LUT_KINDS_H
+#define LUT_KINDS_H
+
+#include "lut.h"
+
+/* f(l,v) as lut_eval says. In: n.l > 0, n.v > 0. */
+struct lut_rgb lut_specular_frame(const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v);
+struct lut_rgb lut_half_vector(const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v);
+
+#endif
