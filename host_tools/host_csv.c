@@ -106,7 +106,8 @@ static void parse_row(struct measurement *out, struct csv *c, char *line)
     struct measurement_point point = {(float)x[THETA_IN],
                                       (float)x[THETA_OUT],
                                       (float)phi < 360 ? (float)phi : 0,
-                                      {(float)x[RED], (float)x[GREEN], (float)x[BLUE]}};
+                                      {(float)x[RED], (float)x[GREEN], (float)x[BLUE]},
+                                      MEASURED};
     if (out->count == MEASUREMENT_MAX_POINTS)
         die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", c->path, c->line, MEASUREMENT_MAX_POINTS);
     measurement_add(out, &point);

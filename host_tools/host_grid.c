@@ -36,74 +36,117 @@ static struct key *keys_sorted(const struct measurement *m)
     return keys;
 }
 
-/* The rows of one slice must all have the first row's azimuths, and those must divide the full turn evenly.
- */
-static void slice_check(const struct key *k, size_t count, size_t phi_count, const char *path)
+/* The rows of one slice must all have the first row's azimuths, and those must divide the full turn evenly. */
+static char *slice_problem(const struct key *k, size_t count, size_t phi_count)
 {
     for (size_t i = 0; i < count; i++) {
         size_t column = i % phi_count;
         const struct key *first = &k[column], *row = &k[i - column];
         double want = 1e-3 * k->phi + (double)column * 360.0 / (double)phi_count;
         if (i && !key_compare(&k[i - 1], &k[i]))
-            die(EXIT_BAD_INPUT, "%s: two samples at theta_in %g, theta_out %g, phi_out %g; keep one", path,
-                1e-3 * k[i].theta_in, 1e-3 * k[i].theta_out, 1e-3 * k[i].phi);
+            return xasprintf("two samples at theta_in %g, theta_out %g, phi_out %g; keep one", 1e-3 * k[i].theta_in,
+                             1e-3 * k[i].theta_out, 1e-3 * k[i].phi);
         if (fabs(1e-3 * k[i].phi - want) > 1.6e-3 && row == k)
-            die(EXIT_BAD_INPUT,
-                "%s: at theta_in %g, theta_out %g phi_out %g stands where %zu equal steps of a full turn want %g; a "
+            return xasprintf(
+                "at theta_in %g, theta_out %g phi_out %g stands where %zu equal steps of a full turn want %g; a "
                 "table needs a regular grid",
-                path, 1e-3 * k[i].theta_in, 1e-3 * k[i].theta_out, 1e-3 * k[i].phi, phi_count, want);
+                1e-3 * k[i].theta_in, 1e-3 * k[i].theta_out, 1e-3 * k[i].phi, phi_count, want);
         if (k[i].theta_out != row->theta_out || k[i].phi != first->phi)
-            die(EXIT_BAD_INPUT,
-                "%s: at theta_in %g, theta_out %g the sample at phi_out %g is missing or extra; every row needs the "
+            return xasprintf(
+                "at theta_in %g, theta_out %g the sample at phi_out %g is missing or extra; every row needs the "
                 "first row's %zu azimuths",
-                path, 1e-3 * row->theta_in, 1e-3 * row->theta_out, 1e-3 * first->phi, phi_count);
+                1e-3 * row->theta_in, 1e-3 * row->theta_out, 1e-3 * first->phi, phi_count);
     }
     if (count % phi_count)
-        die(EXIT_BAD_INPUT,
-            "%s: at theta_in %g, theta_out %g has %zu azimuths where the first row has %zu; a table needs a regular "
+        return xasprintf(
+            "at theta_in %g, theta_out %g has %zu azimuths where the first row has %zu; a table needs a regular "
             "grid",
-            path, 1e-3 * k->theta_in, 1e-3 * k[count - 1].theta_out, count % phi_count, phi_count);
+            1e-3 * k->theta_in, 1e-3 * k[count - 1].theta_out, count % phi_count, phi_count);
+    return NULL;
 }
 
-static void slice_make(struct measurement_slice *s, const struct measurement *m, const struct key *k, size_t count,
-                       const char *path)
+static size_t row_length(const struct key *k, size_t count)
 {
-    size_t phi_count = 0;
-    while (phi_count < count && k[phi_count].theta_out == k->theta_out)
-        phi_count++;
-    slice_check(k, count, phi_count, path);
+    size_t n = 0;
+    while (n < count && k[n].theta_out == k->theta_out)
+        n++;
+    return n;
+}
+
+static void slice_make(struct measurement_slice *s, const struct measurement *m, const struct key *k, size_t count)
+{
+    size_t phi_count = row_length(k, count);
     *s = (struct measurement_slice){.theta_in = 1e-3 * k->theta_in,
                                     .theta_count = count / phi_count,
                                     .phi_count = phi_count,
                                     .theta_out = xmalloc(count / phi_count * sizeof(double)),
                                     .phi_first = 1e-3 * k->phi,
-                                    .rgb = xmalloc(3 * count * sizeof(double))};
+                                    .rgb = xmalloc(3 * count * sizeof(double)),
+                                    .mark = xmalloc(count),
+                                    .theta_measured = -1};
     for (size_t i = 0; i < s->theta_count; i++)
         s->theta_out[i] = 1e-3 * k[i * phi_count].theta_out;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
+        const struct measurement_point *p = &m->points[k[i].point];
         for (int c = 0; c < 3; c++)
-            s->rgb[3 * i + c] = (double)m->points[k[i].point].rgb[c];
+            s->rgb[3 * i + c] = (double)p->rgb[c];
+        s->mark[i] = (uint8_t)p->mark;
+        if (p->mark != MEASUREMENT_EXTRAPOLATED)
+            s->theta_measured = 1e-3 * k[i].theta_out;
+    }
+}
+
+static size_t slice_length(const struct key *k, size_t count)
+{
+    size_t n = 0;
+    while (n < count && k[n].theta_in == k->theta_in)
+        n++;
+    return n;
+}
+
+/* Of the sorted points. */
+static char *grid_problem(const struct key *keys, size_t count)
+{
+    size_t slices = 0, length;
+    for (size_t from = 0; from < count; from += length, slices++) {
+        length = slice_length(keys + from, count - from);
+        char *problem = slice_problem(keys + from, length, row_length(keys + from, length));
+        if (problem)
+            return problem;
+    }
+    if (!slices)
+        return xstrdup("no samples; measure some");
+    double last = 1e-3 * keys[count - 1].theta_in;
+    for (size_t from = 0, i = 0; from < count; from += slice_length(keys + from, count - from), i++) {
+        double theta_in = 1e-3 * keys[from].theta_in, want = slices > 1 ? last * (double)i / (double)(slices - 1) : 0;
+        if (fabs(theta_in - want) > 1.6e-3)
+            return xasprintf("theta_in %g stands where equal steps from 0 to %g want %g; measure at equal steps",
+                             theta_in, last, want);
+    }
+    return NULL;
+}
+
+char *measurement_grid_problem(const struct measurement *m)
+{
+    struct key *keys = keys_sorted(m);
+    char *problem = grid_problem(keys, m->count);
+    free(keys);
+    return problem;
 }
 
 void measurement_grid_make(struct measurement_grid *out, const struct measurement *m, const char *path)
 {
     struct key *keys = keys_sorted(m);
+    char *problem = grid_problem(keys, m->count);
+    if (problem)
+        die(EXIT_BAD_INPUT, "%s: %s", path, problem);
     memset(out, 0, sizeof *out);
-    for (size_t from = 0, to; from < m->count; from = to) {
-        to = from;
-        while (to < m->count && keys[to].theta_in == keys[from].theta_in)
-            to++;
+    for (size_t from = 0, length; from < m->count; from += length) {
+        length = slice_length(keys + from, m->count - from);
         out->slices = xrealloc(out->slices, (out->count + 1) * sizeof *out->slices);
-        slice_make(&out->slices[out->count++], m, keys + from, to - from, path);
+        slice_make(&out->slices[out->count++], m, keys + from, length);
     }
     free(keys);
-    double last = out->slices[out->count - 1].theta_in;
-    for (size_t i = 0; i < out->count; i++) {
-        double want = out->count > 1 ? last * (double)i / (double)(out->count - 1) : 0;
-        if (fabs(out->slices[i].theta_in - want) > 1.6e-3)
-            die(EXIT_BAD_INPUT, "%s: theta_in %g stands where equal steps from 0 to %g want %g; measure at equal steps",
-                path, out->slices[i].theta_in, last, want);
-    }
 }
 
 void measurement_grid_free(struct measurement_grid *g)
@@ -111,6 +154,7 @@ void measurement_grid_free(struct measurement_grid *g)
     for (size_t i = 0; i < g->count; i++) {
         free(g->slices[i].theta_out);
         free(g->slices[i].rgb);
+        free(g->slices[i].mark);
     }
     free(g->slices);
     memset(g, 0, sizeof *g);

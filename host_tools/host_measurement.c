@@ -13,9 +13,9 @@
  * changed them. */
 static const uint8_t magic[8] = {'G', 'T', 'M', 'E', 'A', 'S', '\r', '\n'};
 enum {
-    VERSION = 1,
+    VERSION = 2,
     HEADER_BYTES = 88,
-    POINT_BYTES = 24,
+    POINT_BYTES = 28, /* 24 in version 1, which had no marks */
     CRC_OFFSET = 12,
     CRC_FROM = 16,
     COUNT_OFFSET = 16,
@@ -89,6 +89,27 @@ void measurement_add(struct measurement *m, const struct measurement_point *poin
     m->points[m->count++] = *point;
 }
 
+void measurement_sample(struct measurement *m, const struct measurement_geometry *g,
+                        void (*value)(double rgb[3], const void *ctx, double theta_in, double theta_out,
+                                      double phi_out),
+                        const void *ctx, double theta_in_last)
+{
+    const double degree = 3.14159265358979323846 / 180;
+    for (int i = 0; i < g->theta_in_count; i++) {
+        double theta_in = i * g->theta_in_step, rgb[3];
+        uint32_t mark = theta_in > theta_in_last + 1e-3 ? MEASUREMENT_EXTRAPOLATED : MEASURED;
+        for (int theta = 0; theta <= g->theta_out_max; theta++)
+            for (int phi = 0; phi < 360; phi++) {
+                value(rgb, ctx, theta_in * degree, theta * degree, phi * degree);
+                measurement_add(m, &(struct measurement_point){(float)theta_in,
+                                                               (float)theta,
+                                                               (float)phi,
+                                                               {(float)rgb[0], (float)rgb[1], (float)rgb[2]},
+                                                               mark});
+            }
+    }
+}
+
 void measurement_free(struct measurement *m)
 {
     free(m->points);
@@ -103,7 +124,7 @@ bool measurement_recognise(const uint8_t *data, size_t bytes)
 static bool point_valid(const struct measurement_point *p)
 {
     bool ok = p->theta_in >= 0 && p->theta_in < 90 && p->theta_out >= 0 && p->theta_out <= 90 && p->phi_out >= 0 &&
-              p->phi_out < 360;
+              p->phi_out < 360 && p->mark <= MEASUREMENT_FILLED;
     for (int c = 0; c < 3; c++)
         ok = ok && p->rgb[c] >= 0 && p->rgb[c] <= FLT_MAX;
     return ok;
@@ -117,17 +138,18 @@ void measurement_parse(struct measurement *out, const char *path, const uint8_t 
     if (memcmp(data, magic, sizeof magic))
         die(EXIT_BAD_INPUT, "%s: line ends of the magic were changed; copy the file as binary", path);
     unsigned version = data[8] | (unsigned)data[9] << 8, header = data[10] | (unsigned)data[11] << 8;
-    if (version != VERSION)
-        die(EXIT_BAD_INPUT, "%s: measurement file version %u, this program reads %d; use a newer gtlut", path, version,
-            VERSION);
+    if (version < 1 || version > VERSION)
+        die(EXIT_BAD_INPUT, "%s: measurement file version %u, this program reads 1 to %d; use a newer gtlut", path,
+            version, VERSION);
+    size_t point_bytes = version == 1 ? POINT_BYTES - 4 : POINT_BYTES;
     uint32_t count = get_u32(data + COUNT_OFFSET);
     if (header != HEADER_BYTES || !count || count > MEASUREMENT_MAX_POINTS)
         die(EXIT_BAD_INPUT, "%s: header of %u bytes and %u points, want %d bytes and 1..%u points; import it again",
             path, header, count, HEADER_BYTES, MEASUREMENT_MAX_POINTS);
-    if (bytes != HEADER_BYTES + (size_t)count * POINT_BYTES)
+    if (bytes != HEADER_BYTES + count * point_bytes)
         die(EXIT_BAD_INPUT,
             "%s: %zu bytes where %u points need %zu; the file is truncated or has a tail: import it again", path, bytes,
-            count, HEADER_BYTES + (size_t)count * POINT_BYTES);
+            count, HEADER_BYTES + count * point_bytes);
     uint32_t crc = crc32_ieee(data + CRC_FROM, bytes - CRC_FROM);
     if (crc != get_u32(data + CRC_OFFSET))
         die(EXIT_BAD_INPUT, "%s: CRC-32 is %08x, the header says %08x; the file is damaged: import it again", path, crc,
@@ -137,12 +159,16 @@ void measurement_parse(struct measurement *out, const char *path, const uint8_t 
     source[sizeof source - 1] = 0;
     measurement_init(out, source);
     const uint8_t *p = data + HEADER_BYTES;
-    for (uint32_t i = 0; i < count; i++, p += POINT_BYTES) {
-        struct measurement_point point = {
-            get_f32(p), get_f32(p + 4), get_f32(p + 8), {get_f32(p + 12), get_f32(p + 16), get_f32(p + 20)}};
+    for (uint32_t i = 0; i < count; i++, p += point_bytes) {
+        struct measurement_point point = {get_f32(p),
+                                          get_f32(p + 4),
+                                          get_f32(p + 8),
+                                          {get_f32(p + 12), get_f32(p + 16), get_f32(p + 20)},
+                                          version == 1 ? MEASURED : get_u32(p + 24)};
         if (!point_valid(&point))
-            die(EXIT_BAD_INPUT, "%s: point %u is out of range (angles %g %g %g, values %g %g %g); import it again",
-                path, i, point.theta_in, point.theta_out, point.phi_out, point.rgb[0], point.rgb[1], point.rgb[2]);
+            die(EXIT_BAD_INPUT,
+                "%s: point %u is out of range (angles %g %g %g, values %g %g %g, mark %u); import it again", path, i,
+                point.theta_in, point.theta_out, point.phi_out, point.rgb[0], point.rgb[1], point.rgb[2], point.mark);
         measurement_add(out, &point);
     }
 }
@@ -181,6 +207,7 @@ void measurement_write(const struct measurement *m, const char *path)
         put_f32(p + 8, s->phi_out);
         for (int c = 0; c < 3; c++)
             put_f32(p + 12 + 4 * c, s->rgb[c]);
+        put_u32(p + 24, s->mark);
     }
     put_u32(data + CRC_OFFSET, crc32_ieee(data + CRC_FROM, bytes - CRC_FROM));
     write_file(path, data, bytes);

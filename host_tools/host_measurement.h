@@ -14,11 +14,19 @@
 
 #define MEASUREMENT_MAX_POINTS (1u << 24)
 
+/* Where a sample comes from; kept through the measurement file up to the pictures. */
+enum measurement_mark {
+    MEASURED = 0,
+    MEASUREMENT_EXTRAPOLATED = 1, /* outside the angles that the instrument covered */
+    MEASUREMENT_FILLED = 2        /* inside them, but put in by interpolation: a blind spot, a bad sample */
+};
+
 struct measurement_point {
     float theta_in;  /* [0, 90) */
     float theta_out; /* [0, 90] */
     float phi_out;   /* [0, 360) */
-    float rgb[3];    /* finite, >= 0 */
+    float rgb[3];    /* finite, >= 0; what import_load was told to keep as it is may be anything */
+    uint32_t mark;   /* enum measurement_mark */
 };
 
 struct measurement {
@@ -43,6 +51,13 @@ void measurement_init(struct measurement *out, const char *source);
 void measurement_add(struct measurement *m, const struct measurement_point *point);
 void measurement_free(struct measurement *m);
 
+/* Adds the BRDF `value` (1/sr, angles in radians) at every direction of the geometry. theta_in above `theta_in_last` degrees is
+ * marked as extrapolated. */
+void measurement_sample(struct measurement *m, const struct measurement_geometry *g,
+                        void (*value)(double rgb[3], const void *ctx, double theta_in, double theta_out,
+                                      double phi_out),
+                        const void *ctx, double theta_in_last);
+
 /* Reads a measurement file (SPEC.md, "Measurement file") or CSV, told apart by content. Dies with EXIT_FILE or
  * EXIT_BAD_INPUT. */
 void measurement_read(struct measurement *out, const char *path);
@@ -64,6 +79,9 @@ struct measurement_slice {
     double *theta_out; /* ascending */
     double phi_first;  /* [0, 360) */
     double *rgb;       /* [theta_count][phi_count][3] */
+    uint8_t *mark;     /* [theta_count][phi_count]: enum measurement_mark */
+    /* The largest theta_out with a sample that is not extrapolated; -1 when the whole slice is extrapolated. */
+    double theta_measured;
 };
 
 struct measurement_grid {
@@ -71,8 +89,12 @@ struct measurement_grid {
     struct measurement_slice *slices; /* ascending theta_in, from 0 in equal steps */
 };
 
-/* Sorts the points into slices. Dies with EXIT_BAD_INPUT, saying which direction is missing, doubled or off
- * the grid, when they do not form what is described above. `path` is for messages. */
+/* Why the points do not form what is described above (which direction is missing, doubled or off the grid), malloc'd; NULL when
+ * they do. */
+char *measurement_grid_problem(const struct measurement *m);
+
+/* Sorts the points into slices. Dies with EXIT_BAD_INPUT, saying measurement_grid_problem, when
+ * they form none. `path` is for messages. */
 void measurement_grid_make(struct measurement_grid *out, const struct measurement *m, const char *path);
 void measurement_grid_free(struct measurement_grid *g);
 

@@ -301,16 +301,18 @@ void rgl_value(double rgb[3], const struct rgl *r, double theta_in, double theta
     }
 }
 
+double rgl_theta_in(const struct rgl *r)
+{
+    return r->theta_i.data[r->theta_i.count - 1] * 180 / pi;
+}
+
+static void sample(double rgb[3], const void *r, double theta_in, double theta_out, double phi_out)
+{
+    rgl_value(rgb, r, theta_in, theta_out, phi_out);
+}
+
 void rgl_sample(struct measurement *out, const struct rgl *r, const char *source, const struct measurement_geometry *g)
 {
     measurement_init(out, source);
-    for (int i = 0; i < g->theta_in_count; i++)
-        for (int theta = 0; theta <= g->theta_out_max; theta++)
-            for (int phi = 0; phi < 360; phi++) {
-                double theta_in = i * g->theta_in_step, rgb[3];
-                rgl_value(rgb, r, theta_in * pi / 180, theta * pi / 180, phi * pi / 180);
-                struct measurement_point point = {
-                    (float)theta_in, (float)theta, (float)phi, {(float)rgb[0], (float)rgb[1], (float)rgb[2]}};
-                measurement_add(out, &point);
-            }
+    measurement_sample(out, g, sample, r, rgl_theta_in(r));
 }

@@ -24,7 +24,10 @@ void rgl_close(struct rgl *r);
  * to it. */
 void rgl_value(double rgb[3], const struct rgl *r, double theta_in, double theta_out, double phi_out);
 
-/* The material at every direction of the geometry. */
+/* The file's last theta_i in degrees. */
+double rgl_theta_in(const struct rgl *r);
+
+/* The material at every direction of the geometry; incidence beyond the file's last is marked as extrapolated. */
 void rgl_sample(struct measurement *out, const struct rgl *r, const char *source, const struct measurement_geometry *g);
 
 #endif

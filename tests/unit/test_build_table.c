@@ -63,7 +63,7 @@ static void make_synthetic(struct subject *s, int slices, double step, int rows,
                 double r = 1 + sin(0.11 * (double)b + 0.05 * (double)phi + i),
                        g = 1 + cos(0.031 * (double)phi - (double)b);
                 struct measurement_point p = {
-                    a, b, phi, {(float)r, (float)(1e-3 + 1e3 * g * g * r), (float)exp(5 * r - 1)}};
+                    a, b, phi, {(float)r, (float)(1e-3 + 1e3 * g * g * r), (float)exp(5 * r - 1)}, MEASURED};
                 measurement_add(&s->cloud, &p);
             }
     subject_fill_grid(s, slices, rows, columns);

@@ -100,7 +100,8 @@ static void csv_columns_come_in_any_order_with_comments_and_any_line_ends(void *
                    "3, 2.5 ,1e-3,359.5,20,75\n  # between\n\t\n6,5,4,0,0,0");
     assert_int_equal(m.count, 2);
     assert_string_equal(m.source, "in.csv");
-    const struct measurement_point want[2] = {{20, 75, 359.5f, {1e-3f, 2.5f, 3}}, {0, 0, 0, {4, 5, 6}}};
+    const struct measurement_point want[2] = {{20, 75, 359.5f, {1e-3f, 2.5f, 3}, MEASURED},
+                                              {0, 0, 0, {4, 5, 6}, MEASURED}};
     assert_memory_equal(m.points, want, sizeof want);
     measurement_free(&m);
 }
@@ -238,6 +239,8 @@ static struct bytes make_gtm(struct measurement *m)
     assert_true(fd >= 0);
     close(fd);
     parse_text(m, HEADER "0,0,0,1e-30,2,65500\n0,0,180,1,3e38,1\n0,75,0,0,0,0\n0,75,180,1,2,3\n");
+    m->points[2].mark = MEASUREMENT_FILLED;
+    m->points[3].mark = MEASUREMENT_EXTRAPOLATED;
     measurement_write(m, path);
     struct bytes b;
     b.data = read_file(path, 1 << 20, &b.count);
@@ -268,29 +271,73 @@ static void measurement_file_keeps_every_value(void **state)
     free(b.data);
 }
 
+static uint32_t crc_of(const struct bytes *b)
+{
+    uint32_t crc = 0xffffffff; /* CRC-32, bit by bit */
+    for (size_t i = 16; i < b->count; i++) {
+        crc ^= b->data[i];
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc & 1 ? crc >> 1 ^ 0xedb88320 : crc >> 1;
+    }
+    return ~crc;
+}
+
 static void measurement_file_is_what_the_specification_says(void **state)
 {
     (void)state;
     struct measurement m;
     struct bytes b = make_gtm(&m);
-    static const uint8_t head[] = {'G', 'T', 'M', 'E', 'A', 'S', '\r', '\n', 1, 0, 88, 0};
+    static const uint8_t head[] = {'G', 'T', 'M', 'E', 'A', 'S', '\r', '\n', 2, 0, 88, 0};
     static const uint8_t count_and_source[] = {4, 0, 0, 0, 0, 0, 0, 0, 'i', 'n', '.', 'c', 's', 'v', 0};
-    static const uint8_t last[] = {0, 0, 0,    0,    0, 0, 0x96, 0x42, 0, 0, 0x34, 0x43,
-                                   0, 0, 0x80, 0x3f, 0, 0, 0,    0x40, 0, 0, 0x40, 0x40};
-    assert_int_equal(b.count, 88 + 4 * 24);
+    static const uint8_t last[] = {0,    0,    0, 0, 0, 0,    0x96, 0x42, 0,    0,    0x34, 0x43, 0, 0,
+                                   0x80, 0x3f, 0, 0, 0, 0x40, 0,    0,    0x40, 0x40, 1,    0,    0, 0};
+    assert_int_equal(b.count, 88 + 4 * 28);
     assert_memory_equal(b.data, head, sizeof head);
     assert_memory_equal(b.data + 16, count_and_source, sizeof count_and_source);
-    assert_memory_equal(b.data + 88 + 3 * 24, last, sizeof last);
-    uint32_t crc = 0xffffffff; /* CRC-32, bit by bit */
-    for (size_t i = 16; i < b.count; i++) {
-        crc ^= b.data[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = crc & 1 ? crc >> 1 ^ 0xedb88320 : crc >> 1;
-    }
+    assert_memory_equal(b.data + 88 + 3 * 28, last, sizeof last);
     for (int i = 0; i < 4; i++)
-        assert_int_equal(b.data[12 + i], ~crc >> 8 * i & 0xff);
+        assert_int_equal(b.data[12 + i], crc_of(&b) >> 8 * i & 0xff);
     measurement_free(&m);
     free(b.data);
+}
+
+/* What version 1 wrote: samples without marks. */
+static void measurement_file_of_version_1_is_read(void **state)
+{
+    (void)state;
+    struct measurement m, back;
+    struct bytes b = make_gtm(&m);
+    for (size_t i = 1; i < 4; i++)
+        memmove(b.data + 88 + 24 * i, b.data + 88 + 28 * i, 24);
+    b.count = 88 + 4 * 24;
+    b.data[8] = 1;
+    uint32_t crc = crc_of(&b);
+    for (int i = 0; i < 4; i++)
+        b.data[12 + i] = (uint8_t)(crc >> 8 * i);
+    measurement_parse(&back, "in.gtm", b.data, b.count);
+    assert_int_equal(back.count, 4);
+    m.points[2].mark = m.points[3].mark = MEASURED;
+    assert_memory_equal(back.points, m.points, 4 * sizeof *m.points);
+    measurement_free(&m);
+    measurement_free(&back);
+    free(b.data);
+}
+
+static void grid_keeps_what_was_measured(void **state)
+{
+    (void)state;
+    struct measurement m;
+    struct measurement_grid g;
+    parse_text(&m, HEADER "0,0,0,1,1,1\n0,75,0,1,1,1\n0,80,0,1,1,1\n20,0,0,1,1,1\n20,10,0,1,1,1\n");
+    m.points[1].mark = MEASUREMENT_FILLED;
+    m.points[2].mark = m.points[3].mark = m.points[4].mark = MEASUREMENT_EXTRAPOLATED;
+    measurement_grid_make(&g, &m, "in.csv");
+    assert_true(g.slices[0].theta_measured == 75 && g.slices[1].theta_measured == -1);
+    assert_int_equal(g.slices[0].mark[0], MEASURED);
+    assert_int_equal(g.slices[0].mark[1], MEASUREMENT_FILLED);
+    assert_int_equal(g.slices[0].mark[2], MEASUREMENT_EXTRAPOLATED);
+    measurement_grid_free(&g);
+    measurement_free(&m);
 }
 
 static void measurement_file_with_any_byte_changed_or_cut_is_refused(void **state)
@@ -304,9 +351,9 @@ static void measurement_file_with_any_byte_changed_or_cut_is_refused(void **stat
         b.data[i] ^= 0x20;
         dies(read_gtm, &(struct bytes){b.data, i}, "");
     }
+    b.data[8] = 3;
+    dies(read_gtm, &b, "version 3");
     b.data[8] = 2;
-    dies(read_gtm, &b, "version 2");
-    b.data[8] = 1;
     b.data[7] = '\r';
     dies(read_gtm, &b, "line ends");
     measurement_free(&m);
@@ -558,6 +605,8 @@ int main(void)
         cmocka_unit_test(grid_interpolates_between_samples_and_around_the_turn),
         cmocka_unit_test(measurement_file_keeps_every_value),
         cmocka_unit_test(measurement_file_is_what_the_specification_says),
+        cmocka_unit_test(measurement_file_of_version_1_is_read),
+        cmocka_unit_test(grid_keeps_what_was_measured),
         cmocka_unit_test(measurement_file_with_any_byte_changed_or_cut_is_refused),
         cmocka_unit_test(rgl_value_equals_an_independent_evaluation),
         cmocka_unit_test(rgl_value_equals_an_independent_evaluation_on_real_materials),
