@@ -12,8 +12,8 @@
 void raster_light_position(struct vec3 *eye, const struct scene_camera *camera, const q16_16_t position[3]);
 
 /* Eye-space position, q16_16, of the surface seen at the centre of pixel (x, y) of the picture. In: depth as in the tile's
- * surface (without the slot's byte), DEPTH_BIAS included; x < width, y < height. Within one unit and 2^-24 of the position that
- * depth says exactly. */
+ * surface (without the slot's byte), DEPTH_BIAS included; x < width, y < height. Every coordinate is within one unit, 2^-24 of itself
+ * and 2^-17 of a pixel of what that depth says exactly. */
 struct vec3 raster_surface_point(const struct raster *r, uint32_t x, uint32_t y, uint32_t depth);
 
 /*
@@ -21,7 +21,8 @@ struct vec3 raster_surface_point(const struct raster *r, uint32_t x, uint32_t y,
  * vector towards the light, Q15 (components within 0.51 of a unit, length within one; (0, 0, 1) at the light itself), and *attenuation,
  * 1.0 = 2^30, what its intensity is multiplied by:
  *   min(1/max(d, 0.01)^2 * (1 - (d/radius)^4)^2, 1)
- * within one unit and 2^-20 of itself. In: position and point q16_16, 0 < radius <= SCENE_MAX_RADIUS.
+ * within one unit and 2^-20 of min(1/d^2, 1); nearer than 0.1 within 2^-15. In: position and point q16_16,
+ * 0 < radius <= SCENE_MAX_RADIUS.
  * The window that ends the light at its radius is Karis 2013's, "Real Shading in Unreal Engine 4".
  */
 bool raster_point_light(struct vec3 *l, uint32_t *attenuation, const struct vec3 *position, uq16_16_t radius,
