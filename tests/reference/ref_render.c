@@ -137,68 +137,97 @@ static void draw_objects(struct ref_picture *p, const struct ref_view *view)
     }
 }
 
-/* f(l,v) n.l of Lafortune-Phong: kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n. */
-static void lafortune_phong(double rgb[3], const struct ref_material *m, const double n[3], const double l[3],
-                            const double v[3])
+/* Direction to a light from a point in eye space, and what it brings to a surface that faces it there. */
+static void light_at(double l[3], double irradiance[3], const struct ref_scene *s, const struct ref_light *light,
+                     const double point[3])
 {
-    double nl = dot(n, l), vr = 2 * nl * dot(n, v) - dot(l, v);
-    double lobe = vr > 0 ? (m->exponent + 2) / (2 * M_PI) * pow(vr, m->exponent) : 0;
+    double share = s->exposure;
+    if (light->point) {
+        double from_eye[3], distance = 0;
+        for (int i = 0; i < 3; i++)
+            from_eye[i] = light->position[i] - s->camera.eye[i];
+        to_eye(l, &s->camera, from_eye);
+        for (int i = 0; i < 3; i++) {
+            l[i] -= point[i];
+            distance += l[i] * l[i];
+        }
+        distance = sqrt(distance);
+        share *= ref_attenuation(distance, light->radius);
+        if (distance > 0)
+            normalise(l);
+    } else {
+        to_eye(l, &s->camera, light->direction);
+    }
     for (int i = 0; i < 3; i++)
-        rgb[i] = (m->kd[i] / M_PI + m->ks[i] * lobe) * nl;
+        irradiance[i] = share * light->irradiance[i];
 }
 
-void ref_blinn_phong(double rgb[3], const struct ref_material *m, const double n[3], const double l[3],
-                     const double v[3])
-{
-    double h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]}, length = sqrt(dot(h, h)), nl = dot(n, l);
-    double nh = length > 0 ? dot(n, h) / length : 0, lobe = nh > 0 ? pow(nh, m->exponent) : 0;
-    for (int i = 0; i < 3; i++)
-        rgb[i] = m->kd[i] * (nl > 0 ? nl : 0) + m->ks[i] * lobe;
-}
+static const double ambient_blinn_phong = 0.02, ambient_metallic_roughness = 0.05; /* James 2022 */
 
 static void shade_blinn_phong(double radiance[3], const struct ref_scene *s, const struct ref_material *m,
-                              const double n[3], const double v[3])
+                              const double n[3], const double v[3], const double point[3])
 {
     for (int j = 0; j < 3; j++)
-        radiance[j] = 0.02 * m->kd[j] * s->exposure;
+        radiance[j] = ambient_blinn_phong * m->kd[j] * s->exposure;
     for (unsigned i = 0; i < s->light_count; i++) {
-        double l[3], c[3];
-        to_eye(l, &s->camera, s->lights[i].direction);
+        double l[3], irradiance[3], c[3];
+        light_at(l, irradiance, s, &s->lights[i], point);
         ref_blinn_phong(c, m, n, l, v);
         for (int j = 0; j < 3; j++)
-            radiance[j] += c[j] * s->lights[i].irradiance[j] * s->exposure / M_PI;
+            radiance[j] += c[j] * irradiance[j] / M_PI;
     }
     for (int j = 0; j < 3; j++)
         radiance[j] = radiance[j] < 1 ? radiance[j] : 1;
 }
 
+/* The material as the view wants it: of its own kind, or of the one asked for. */
+static struct ref_material material_of(const struct ref_view *view, int object)
+{
+    static const enum ref_model_kind kinds[] = {
+        [REF_MODEL_AS_SCENE] = REF_LAMBERT,
+        [REF_MODEL_MEASURED] = REF_LAMBERT,
+        [REF_MODEL_LAFORTUNE_PHONG] = REF_LAFORTUNE_PHONG,
+        [REF_MODEL_BLINN_PHONG] = REF_BLINN_PHONG,
+        [REF_MODEL_METALLIC_ROUGHNESS] = REF_METALLIC_ROUGHNESS,
+    };
+    struct ref_material m = view->scene->materials[view->scene->objects[object].material];
+    if (view->model != REF_MODEL_AS_SCENE) {
+        m.measured = view->model == REF_MODEL_MEASURED;
+        m.kind = kinds[view->model];
+    }
+    return m;
+}
+
+/* `point` is the surface's, in eye space. */
 static void shade(double radiance[3], const struct ref_view *view, const struct ref_material *m, const double n[3],
-                  const double v[3])
+                  const double v[3], const double point[3])
 {
     const struct ref_scene *s = view->scene;
-    if (view->model == REF_MODEL_AS_SCENE ? m->blinn_phong : view->model == REF_MODEL_BLINN_PHONG) {
-        shade_blinn_phong(radiance, s, m, n, v);
+    if (!m->measured && m->kind == REF_BLINN_PHONG) {
+        shade_blinn_phong(radiance, s, m, n, v, point);
         return;
     }
-    int measured = view->model == REF_MODEL_AS_SCENE ? m->measured : view->model == REF_MODEL_MEASURED;
     double facing[3] = {n[0], n[1], n[2]};
-    if (measured && dot(n, v) < 1.0 / 128) { /* a table has no value there: the normal is turned back to where it has */
+    if (m->measured &&
+        dot(n, v) < 1.0 / 128) { /* a table has no value there: the normal is turned back to where it has */
         for (int j = 0; j < 3; j++)
             facing[j] += v[j] * (1.0 / 128 - dot(n, v));
         normalise(facing);
         n = facing;
     }
+    for (int j = 0; j < 3 && !m->measured && m->kind == REF_METALLIC_ROUGHNESS; j++)
+        radiance[j] = ambient_metallic_roughness * m->kd[j] * s->exposure;
     for (unsigned i = 0; i < s->light_count; i++) {
-        double l[3], f[3];
-        to_eye(l, &s->camera, s->lights[i].direction);
+        double l[3], irradiance[3], f[3];
+        light_at(l, irradiance, s, &s->lights[i], point);
         if (dot(n, l) <= 0)
             continue;
-        if (measured)
+        if (m->measured)
             ref_table_eval(f, view->tables[m->slot], n, l, v);
         else
-            lafortune_phong(f, m, n, l, v);
+            ref_model_value(f, m, n, l, v);
         for (int j = 0; j < 3; j++)
-            radiance[j] += s->lights[i].irradiance[j] * s->exposure * f[j];
+            radiance[j] += irradiance[j] * f[j] * dot(n, l);
     }
 }
 
@@ -244,8 +273,10 @@ static void finish_pixel(struct ref_picture *p, const struct ref_view *view, int
     } else {
         double scale = view->height * s->camera.focal;
         double v[3] = {-(2 * x + 1 - view->width) / scale, (2 * y + 1 - view->height) / scale, 1};
+        double point[3] = {-v[0] / p->inv_w[at], -v[1] / p->inv_w[at], -v[2] / p->inv_w[at]};
         normalise(v);
-        shade(p->radiance[at], view, &s->materials[s->objects[p->object[at]].material], p->normal[at], v);
+        struct ref_material m = material_of(view, p->object[at]);
+        shade(p->radiance[at], view, &m, p->normal[at], v, point);
         ref_tone(p->display[at], p->radiance[at], s->aces);
     }
     for (int i = 0; i < 3; i++)

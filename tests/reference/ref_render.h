@@ -3,9 +3,10 @@
  *
  * Coverage is exact (ref_coverage.h). The surface seen at a pixel is the one with the smallest eye-space depth there, depth
  * and normal interpolated perspective-correctly from the vertices' own; normals are interpolated as vectors and brought
- * to unit length. Each directional light adds irradiance * exposure * f(l,v) * n.l, nothing where n.l <= 0 or n.v <= 0,
- * v pointing from the surface back along the pixel's view ray;
- * Blinn-Phong is summed and clamped as ref_blinn_phong says. Then tone curve, clamp, sRGB, 8 bits.
+ * to unit length. Each light adds irradiance * exposure * f(l,v) * n.l, nothing where n.l <= 0 or n.v <= 0, v pointing from
+ * the surface back along the pixel's view ray; a point light's irradiance and direction are those at the pixel's point.
+ * Blinn-Phong is summed and clamped as James 2022 does it, metallic-roughness gets ambient light.
+ * Then tone curve, clamp, sRGB, 8 bits.
  * No clipping: every vertex of a triangle that shows must lie in front of the near plane.
  */
 #ifndef REF_RENDER_H
@@ -23,7 +24,13 @@ enum ref_normals {
                                  the arithmetic */
 };
 
-enum ref_model { REF_MODEL_AS_SCENE, REF_MODEL_MEASURED, REF_MODEL_LAFORTUNE_PHONG, REF_MODEL_BLINN_PHONG };
+enum ref_model {
+    REF_MODEL_AS_SCENE,
+    REF_MODEL_MEASURED,
+    REF_MODEL_LAFORTUNE_PHONG,
+    REF_MODEL_BLINN_PHONG,
+    REF_MODEL_METALLIC_ROUGHNESS
+};
 
 struct ref_view {
     const struct ref_scene *scene;
@@ -49,11 +56,6 @@ struct ref_picture {
 
 void ref_render(struct ref_picture *out, const struct ref_view *view);
 void ref_picture_free(struct ref_picture *p);
-
-/* Blinn-Phong (James 2022, eq. 1.6) under one light: kd max(n.l, 0) + ks max(n.h, 0)^n, what multiplies irradiance/pi.
- * 0 for l = -v; 0^0 = 0. */
-void ref_blinn_phong(double rgb[3], const struct ref_material *m, const double n[3], const double l[3],
-                     const double v[3]);
 
 /* Exposed linear sRGB to display bytes before rounding, 0..255. */
 void ref_tone(double display[3], const double radiance[3], int aces);

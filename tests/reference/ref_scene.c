@@ -81,23 +81,31 @@ static const uint8_t *array_find(unsigned *count, const uint8_t *blob, size_t by
 
 static void read_light(struct ref_light *out, const uint8_t *p)
 {
+    out->point = p[0] == 1;
     for (int k = 0; k < 3; k++) {
         out->direction[k] = get_fixed(p + 4 + 4 * k, 30);
+        out->position[k] = get_fixed(p + 4 + 4 * k, 16);
         out->irradiance[k] = get_ufixed(p + 16 + 4 * k, 16);
     }
-    normalise(out->direction);
+    out->radius = get_ufixed(p + 28, 16);
+    if (!out->point)
+        normalise(out->direction);
 }
 
 static void read_material(struct ref_material *out, const uint8_t *p)
 {
+    static const enum ref_model_kind kinds[4] = {REF_LAFORTUNE_PHONG, REF_LAFORTUNE_PHONG, REF_BLINN_PHONG,
+                                                 REF_METALLIC_ROUGHNESS};
     out->measured = p[0] == 0;
-    out->blinn_phong = p[0] == 2;
+    out->kind = kinds[p[0] & 3];
     out->slot = p[1];
     for (int k = 0; k < 3; k++) {
         out->kd[k] = get_ufixed(p + 4 + 4 * k, 16);
         out->ks[k] = get_ufixed(p + 16 + 4 * k, 16);
     }
     out->exponent = get_ufixed(p + 28, 16);
+    out->metalness = get_ufixed(p + 32, 16);
+    out->roughness = get_ufixed(p + 36, 16);
     memcpy(out->name, p + 40, 16);
     out->name[16] = 0;
 }

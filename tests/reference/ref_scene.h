@@ -9,22 +9,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ref_models.h"
+
 struct ref_camera {
     double eye[3], rotation[3][3]; /* rows: right, up, back */
     double focal, near;
 };
 
 struct ref_light {
+    int point;           /* 1: from `position`, intensity `irradiance`, up to `radius`; 0: directional */
     double direction[3]; /* world space, unit (normalised here) */
+    double position[3];  /* world space */
+    double radius;
     double irradiance[3];
-};
-
-struct ref_material {
-    int measured;    /* 1: table `slot`; 0: a model of kd, ks and exponent */
-    int blinn_phong; /* 1: that of Blinn; 0: of Lafortune */
-    unsigned slot;
-    double kd[3], ks[3], exponent;
-    char name[17];
 };
 
 struct ref_object {

@@ -1,4 +1,4 @@
-/* The specular-frame table after Cezner and Havran (2024), eqs. 14-16, literally. */
+/* Table files; the specular-frame table after Cezner and Havran (2024), eqs. 14-16, literally. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -31,21 +31,74 @@ void ref_rgb9e5_decode(double rgb[3], uint32_t word)
     }
 }
 
-/* The value of a key as a string, or NULL. */
-static const char *key_find(const uint8_t *p, uint64_t length, const char *key)
+uint32_t ref_rgb9e5_encode(const double rgb[3])
+{
+    double c[3], largest = 0;
+    for (int k = 0; k < 3; k++) {
+        c[k] = rgb[k] > 0 ? fmin(rgb[k], 65408) : 0; /* NaN too */
+        largest = fmax(largest, c[k]);
+    }
+    for (int exponent = 0;; exponent++) { /* the smallest whose mantissas fit */
+        double unit = ldexp(1, exponent - 24);
+        if (floor(largest / unit + 0.5) < 512) {
+            uint32_t word = (uint32_t)exponent << 27;
+            for (int k = 0; k < 3; k++)
+                word |= (uint32_t)floor(c[k] / unit + 0.5) << (9 * k);
+            return word;
+        }
+    }
+}
+
+/* The value of a key, or NULL. */
+static const uint8_t *key_find(uint64_t *bytes, const uint8_t *p, uint64_t length, const char *key)
 {
     for (uint64_t at = 0; at + 4 < length;) {
-        uint64_t n = number_at(p + at, 4);
-        const char *entry = (const char *)p + at + 4;
-        if (n > length - at - 4 || entry[n - 1] != 0) {
+        uint64_t n = number_at(p + at, 4), name = strlen(key) + 1;
+        if (n > length - at - 4) {
             return NULL;
         }
-        if (strcmp(entry, key) == 0) {
-            return entry + strlen(key) + 1;
+        if (n >= name && memcmp(p + at + 4, key, name) == 0) {
+            *bytes = n - name;
+            return p + at + 4 + name;
         }
         at += 4 + (n + 3) / 4 * 4;
     }
     return NULL;
+}
+
+/* A text value, or NULL when the key is missing or is not text. */
+static const char *text_find(const uint8_t *p, uint64_t length, const char *key)
+{
+    uint64_t n;
+    const uint8_t *value = key_find(&n, p, length, key);
+    return value && n > 0 && value[n - 1] == 0 ? (const char *)value : NULL;
+}
+
+static bool warp_read(double *out, const uint8_t *p, uint64_t length, const char *key, unsigned nodes)
+{
+    uint64_t n;
+    const uint8_t *value = key_find(&n, p, length, key);
+    for (unsigned i = 0; value && n == 2 * nodes && i < nodes; i++) {
+        out[i] = (double)number_at(value + 2 * i, 2) / 512;
+    }
+    return value && n == 2 * nodes;
+}
+
+/* Reads what each kind says about its axes. */
+static bool metadata_read(struct ref_table *t, const uint8_t *p, uint64_t length)
+{
+    const char *kind = text_find(p, length, "goniotile.kind"), *theta_max = text_find(p, length, "goniotile.theta_max");
+    const char *swap = text_find(p, length, "goniotile.swap"), *scale = text_find(p, length, "goniotile.scale");
+    if (kind && strcmp(kind, "specular_frame") == 0 && theta_max) {
+        t->kind = REF_SPECULAR_FRAME;
+        t->theta_max = strtod(theta_max, NULL) / 1000 / 180 * pi;
+        t->swap = swap && strcmp(swap, "1") == 0;
+        return true;
+    }
+    t->kind = REF_HALF_VECTOR;
+    t->scale = ldexp(1, scale ? atoi(scale) : 0);
+    return kind && strcmp(kind, "half_vector") == 0 && warp_read(t->warp_h, p, length, "goniotile.warph", REF_WARP_H) &&
+           warp_read(t->warp_d, p, length, "goniotile.warpd", REF_WARP_D);
 }
 
 struct ref_table *ref_table_open(const void *bytes, size_t n)
@@ -60,19 +113,17 @@ struct ref_table *ref_table_open(const void *bytes, size_t n)
         w * h * d > (n - data) / 4) {
         return NULL;
     }
-    const char *kind = key_find(p + keys, keys_length, "goniotile.kind");
-    const char *theta_max = key_find(p + keys, keys_length, "goniotile.theta_max");
-    if (!kind || strcmp(kind, "specular_frame") != 0 || !theta_max) {
-        return NULL;
-    }
-    struct ref_table *t = malloc(sizeof *t);
+    struct ref_table *t = calloc(1, sizeof *t);
     if (!t) {
         abort();
+    }
+    if (!metadata_read(t, p + keys, keys_length)) {
+        free(t);
+        return NULL;
     }
     t->width = (unsigned)w;
     t->height = (unsigned)h;
     t->depth = (unsigned)d;
-    t->theta_max = strtod(theta_max, NULL) / 1000 / 180 * pi;
     t->texels = malloc(w * h * d * sizeof *t->texels);
     if (!t->texels) {
         abort();
@@ -134,18 +185,10 @@ static double largest_around(const struct ref_table *t, const unsigned cell[3])
     return largest;
 }
 
-double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_in[3], const double l_in[3],
-                      const double v_in[3])
+static double specular_frame_eval(double rgb[3], const struct ref_table *t, const double n[3], const double l[3],
+                                  const double v[3])
 {
-    double n[3], l[3], v[3], x[3], y[3];
-    normalise(n, n_in);
-    normalise(l, l_in);
-    normalise(v, v_in);
-    double nl = dot(n, l);
-    rgb[0] = rgb[1] = rgb[2] = 0;
-    if (nl <= 0 || dot(n, v) <= 0) {
-        return 0;
-    }
+    double x[3], y[3], nl = dot(n, l);
     /* tangent frame: x is l projected (any direction when l = n), y = n x x */
     for (int i = 0; i < 3; i++) {
         x[i] = l[i] - nl * n[i];
@@ -169,6 +212,7 @@ double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_i
     phi_d = phi_d < 0 ? phi_d + 2 * pi : phi_d;
 
     const unsigned size[3] = {t->width, t->height, t->depth};
+    rgb[0] = rgb[1] = rgb[2] = 0;
     double f[3];
     unsigned cell[3] = {cell_find(&f[0], phi_d / (2 * pi) * (t->width - 1), t->width),
                         cell_find(&f[1], theta_d / pi * (t->height - 1), t->height),
@@ -182,8 +226,26 @@ double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_i
             weight *= upper ? f[a] : 1 - f[a];
         }
         for (int k = 0; k < 3; k++) {
-            rgb[k] += weight * t->texels[((size_t)at[2] * t->height + at[1]) * t->width + at[0]][k] * nl;
+            rgb[k] += weight * t->texels[((size_t)at[2] * t->height + at[1]) * t->width + at[0]][k];
         }
     }
     return largest_around(t, cell);
+}
+
+double ref_table_eval(double rgb[3], const struct ref_table *t, const double n_in[3], const double l_in[3],
+                      const double v_in[3])
+{
+    double n[3], l[3], v[3];
+    bool swap = t->swap && dot(n_in, l_in) < dot(n_in, v_in);
+    normalise(n, n_in);
+    normalise(l, l_in);
+    normalise(v, v_in);
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    if (dot(n, l) <= 0 || dot(n, v) <= 0) {
+        return 0;
+    }
+    if (t->kind == REF_HALF_VECTOR) {
+        return ref_half_eval(rgb, t, n, l, v);
+    }
+    return swap ? specular_frame_eval(rgb, t, n, v, l) : specular_frame_eval(rgb, t, n, l, v);
 }
