@@ -112,9 +112,10 @@ uint32_t lut_d_coordinate(const struct lut_table *t, uint32_t sine, uint32_t cos
 
 struct lut_rgb lut_half_vector(const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
 {
-    struct vec3_64 l1 = unit(l), v1 = unit(v);
+    struct vec3_64 n1 = unit(n), l1 = unit(l), v1 = unit(v); /* sin^2 theta_h near 1 feels the length of n, too */
     struct vec3_64 h = {l1.x + v1.x, l1.y + v1.y, l1.z + v1.z}, d = {l1.x - v1.x, l1.y - v1.y, l1.z - v1.z};
-    struct vec3_64 c = {(n.y * h.z - n.z * h.y) >> 15, (n.z * h.x - n.x * h.z) >> 15, (n.x * h.y - n.y * h.x) >> 15};
+    struct vec3_64 c = {(n1.y * h.z - n1.z * h.y) >> 29, (n1.z * h.x - n1.x * h.z) >> 29,
+                        (n1.x * h.y - n1.y * h.x) >> 29};
     uint64_t h2 = square64(h), d2 = square64(d);                                                /* 1.0 = 2^58, sum 4 */
     struct real nh = real_make(magnitude(dot64(n, h))), nd = real_make(magnitude(dot64(n, d))); /* 1.0 = 2^44 */
     struct real c2 = real_make(square64(c));

@@ -1,10 +1,9 @@
 #include "interpolate.h"
 
-/* Splits weight w, at most 2^20, by the fraction: the upper part is returned and taken off w, so that the total stays.
- * The product is at most 2^20 * 4095 + 2^11 < 2^32. */
+/* Splits weight w, at most 2^20, by the fraction: the upper part is returned and taken off w, so that the total stays. */
 static uint32_t weight_split(uint32_t *w, uint32_t fraction)
 {
-    uint32_t upper = (*w * fraction + 2048) >> 12;
+    uint32_t upper = (uint32_t)(((uint64_t)*w * fraction + 32768) >> 16);
     *w -= upper;
     return upper;
 }

@@ -6,18 +6,19 @@
 
 #include "rgb9e5.h"
 
-/* The cell of a coordinate: lower node, distance to the upper node (0 at the last node), weight of the upper node of 4096. */
+/* The cell of a coordinate: lower node, distance to the upper node (0 at the last node), weight of the upper node of 65536. */
 struct lut_cell {
     uint32_t node, step, fraction;
 };
 
-/* In: coordinate with `bits` >= 12 fraction bits; nodes >= 1, (nodes-1) << bits below 2^32. Beyond the last node: clamped. */
+/* In: coordinate with `bits` >= 12 fraction bits, of which 16 count; nodes >= 1, (nodes-1) << bits below 2^32. Beyond the last
+ * node: clamped. */
 static inline struct lut_cell lut_cell_find(uint32_t x, unsigned bits, uint32_t nodes)
 {
     if (x >= (nodes - 1) << bits) {
         return (struct lut_cell){nodes - 1, 0, 0};
     }
-    return (struct lut_cell){x >> bits, 1, x >> (bits - 12) & 4095};
+    return (struct lut_cell){x >> bits, 1, (bits > 16 ? x >> (bits - 16) : x << (16 - bits)) & 65535};
 }
 
 /* Sums over the eight texels around (x, y, z) of an array of `width` x `height` x any; mantissas at most 511 * 2^20. The

@@ -55,8 +55,9 @@ enum lut_status lut_open(struct lut_table *out, const void *file, size_t bytes);
  * f(l,v), in 1/sr. In: n, l, v unit vectors, any orientation. Accuracy is stated for components rounded
  * to the nearest q17_15_t (SPEC.md, "Table evaluation"); any components up to 32768 + 64 in magnitude are safe.
  * Out: *out with mantissas below 2^21 and shared exponent; all zero when n.l <= 0 or n.v <= 0.
- * Overflow and rounding: interpolation uses 12-bit fractions and eight weights that sum to exactly 2^20, each shifted
- * down to the largest exponent of the taps; the result is rounded to nearest. Equal texels are reproduced exactly.
+ * Overflow and rounding: interpolation uses fractions of 16 bits (specular frame: 12) and eight weights that sum to
+ * exactly 2^20, each shifted down to the largest exponent of the taps; the result is rounded to nearest. Equal texels are
+ * reproduced exactly.
  * Texels must be normalised (what encoders write): a large exponent with small mantissas costs its neighbours precision.
  * Specular frame: l parallel to n: phi_d is arbitrary; the first slice of a well-made table is constant over phi.
  * theta_in beyond the last slice clamps. Half-vector: exactly reciprocal; l = v: t is arbitrary, and so is all where l = -v.
