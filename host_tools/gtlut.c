@@ -15,14 +15,15 @@ static const char help[] =
     "\n"
     "  measure MATERIAL -o out.csv   sample an analytic material with a virtual goniophotometer\n"
     "  import FILE -o out.gtm        CSV or EPFL RGL .bsdf to a measurement file\n"
-    "  build FILE -o out.ktx2        measurement file or CSV to a table\n"
+    "  build SOURCE -o out.ktx2      measurement file, CSV, .bsdf, fit or table to a table\n"
     "  info FILE                     describe a measurement or a table\n"
-    "  export TABLE -o out.exr|.png  all slices of a table as one image\n"
+    "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
     "\n"
     "  gtlut SUBCOMMAND --help       options of one subcommand\n"
     "  gtlut --version\n"
     "\n"
-    "Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written, 4 bad input file.\n";
+    "Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written, 4 bad input file, 11 found wanting\n"
+    "(--max-de not reached).\n";
 
 int gtlut_option(int argc, char **argv, const struct option *options, const char *subcommand_help)
 {

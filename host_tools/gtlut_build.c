@@ -1,136 +1,208 @@
-/* gtlut build: measurement to table file. */
+/* gtlut build: from a reflectance to a table file. */
 #include "gtlut.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "common.h"
-#include "goniotile_version.h"
-#include "host_ktx2.h"
-#include "host_measurement.h"
-#include "host_rgb9e5.h"
-#include "host_specular_frame.h"
-#include "ktx2.h"
+#include "gtlut_build.h"
+#include "gtlut_table.h"
+#include "host_rgl.h"
 
 static const char help[] =
-    "usage: gtlut build FILE -o out.ktx2 [options]\n"
+    "usage: gtlut build SOURCE -o out.ktx2 [options]\n"
     "\n"
-    "Resamples a measurement file (gtlut import) or CSV on a regular grid to a specular-frame table: KTX 2.0 with\n"
-    "RGB9_E5 texels. Slices are the measured theta_in, which must start at 0 in equal steps; a single slice serves\n"
-    "all angles.\n"
+    "Builds a table, KTX 2.0 with RGB9_E5 texels, and says on stderr how far it is from its source. SOURCE is told\n"
+    "from the content:\n"
     "\n"
-    "  -o FILE      the table, - for stdout\n"
-    "  --size WxH   nodes over phi_d (0..360 degrees) and theta_d (0..180); default 361x181, each 2..4096\n"
-    "  --p P        share of the last measured value left at the horizon, 0..1; default 1 (diffuse), less for glossy\n"
-    "  --l L        shape of that fade, 0..1; default 0.3\n";
+    "  measurement file (gtlut import) or CSV\n"
+    "  RGL .bsdf              evaluated as the database defines it, no import needed\n"
+    "  table                  built anew: another kind or size\n"
+    "  FITS.csv:NAME          one material of a table of shifted-gamma fits (merl_sgd.csv:gold-paint)\n"
+    "\n"
+    "  -o FILE          the table, - for stdout\n"
+    "  --kind KIND      half_vector: small, exact to exchanging light and viewer, fitted to the source; recommended\n"
+    "                   specular_frame: resampled at the measured theta_in, which must start at 0 in equal steps (a\n"
+    "                   single one serves all angles); measurements only\n"
+    "                   default: specular_frame for a measurement, half_vector for everything else\n"
+    "  --json           the report on stdout, too\n"
+    "\n"
+    "half_vector\n"
+    "  --size SIZE      1K to 256K: bytes of texels, shared out among the axes as the material needs it; or HxDxT:\n"
+    "                   nodes over the half angle (2..128), the difference angle (2..128) and its azimuth (2..32), at\n"
+    "                   most 65536 in all; default 64K\n"
+    "  --max-de E       the smallest of 1K, 2K, 4K, ... 256K whose mean colour difference from the source is at most "
+    "E\n"
+    "                   (0.001..100, CIE 1976, on pictures of a sphere); exit code 11 when none is\n"
+    "  --packed         adds the copy for SIMD: faster on cores that have it, about three times the bytes\n"
+    "\n"
+    "specular_frame\n"
+    "  --size WxH       nodes over phi_d (0..360 degrees) and theta_d (0..180); default 361x181, each 2..4096\n"
+    "  --p P            share of the last measured value left at the horizon, 0..1; default 1 (diffuse), less for "
+    "glossy\n"
+    "  --l L            shape of that fade, 0..1; default 0.3\n"
+    "  --swap           look l and v up exchanged where v is nearer to the normal: better beyond the measured "
+    "theta_in\n"
+    "\n"
+    "examples\n"
+    "  gtlut build gold.csv -o gold.ktx2 --kind half_vector                  64 KB\n"
+    "  gtlut build satin.bsdf -o satin.ktx2 --max-de 0.5                     as small as that error allows\n"
+    "  gtlut build merl_sgd.csv:red-phenolic -o red.ktx2 --size 16K\n"
+    "  gtlut build gold.csv -o gold.ktx2 --size 91x46 --swap                 specular frame, 67 KB\n";
 
-static void parse_size(struct specular_frame_options *o, const char *text)
+#define MAX_FILE_BYTES ((size_t)1 << 30)
+
+double build_seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* --- options --- */
+
+static void parse_frame_size(struct build_options *o, const char *text)
 {
     unsigned w, h;
     char tail;
     if (sscanf(text, "%4ux%4u%c", &w, &h, &tail) != 2 || w < 2 || h < 2 || w > KTX2_MAX_EXTENT || h > KTX2_MAX_EXTENT)
         die(EXIT_USAGE, "--size: '%s' is not WIDTHxHEIGHT with each from 2 to %u", text, KTX2_MAX_EXTENT);
-    o->width = w;
-    o->height = h;
+    o->frame.width = w;
+    o->frame.height = h;
 }
 
-/* Rounding to RGB9_E5 may raise every texel by up to 2^-9 of itself: that is not the measurement's doing. */
-static const double albedo_limit = 1 + 1.0 / 512;
-
-/* Encodes and says what the encoding or the measurement does not survive. */
-static uint32_t *encode(const struct specular_frame *t)
+static void parse_half_vector_size(struct build_options *o, const char *text)
 {
-    size_t slice = (size_t)t->width * t->height, clipped = 0;
-    uint32_t *texels = xmalloc(slice * t->depth * sizeof *texels);
-    double largest = 0;
-    for (size_t i = 0; i < slice * t->depth; i++) {
-        const double *rgb = t->rgb + 3 * i;
-        double max = fmax(rgb[0], fmax(rgb[1], rgb[2]));
-        clipped += max > RGB9E5_MAX;
-        largest = fmax(largest, max);
-        texels[i] = rgb9e5_encode(rgb);
+    unsigned a, b, c;
+    char unit, tail;
+    if (sscanf(text, "%3u%c%c", &a, &unit, &tail) == 2 && unit == 'K' && a >= 1 && a <= 256) {
+        o->half_vector = (struct half_vector_options){.texels = 256 * a};
+        return;
     }
-    if (clipped)
-        warn("%zu texels above %g 1/sr clipped, the largest %g; RGB9_E5 holds no more", clipped, RGB9E5_MAX, largest);
-    return texels;
+    if (sscanf(text, "%3ux%3ux%3u%c", &a, &b, &c, &tail) != 3 || a < 2 || b < 2 || c < 2 || a > HALF_VECTOR_MAX_H ||
+        b > HALF_VECTOR_MAX_D || c > HALF_VECTOR_MAX_T || a * b * c > HALF_VECTOR_MAX_TEXELS)
+        die(EXIT_USAGE, "--size: '%s' is neither 1K to 256K nor HxDxT from 2x2x2 to %dx%dx%d with at most %d nodes",
+            text, HALF_VECTOR_MAX_H, HALF_VECTOR_MAX_D, HALF_VECTOR_MAX_T, HALF_VECTOR_MAX_TEXELS);
+    o->half_vector = (struct half_vector_options){a, b, c, 0};
 }
 
-static void report_energy(const struct specular_frame *t, const uint32_t *texels)
+static enum lut_kind parse_kind(const char *text)
 {
-    for (uint32_t z = 0; z < t->depth; z++) {
-        double theta_in = t->depth > 1 ? t->theta_max * z / (t->depth - 1) : 0, albedo[3];
-        specular_frame_albedo(albedo, texels + (size_t)z * t->width * t->height, t->width, t->height, theta_in);
-        if (fmax(albedo[0], fmax(albedo[1], albedo[2])) > albedo_limit)
-            warn("theta_in %g: albedo %.3f %.3f %.3f is above 1: the table creates energy; was the lobe sampled too "
-                 "coarsely, or is "
-                 "--p too high?",
-                 theta_in, albedo[0], albedo[1], albedo[2]);
-    }
+    if (!strcmp(text, "half_vector"))
+        return LUT_HALF_VECTOR;
+    if (!strcmp(text, "specular_frame"))
+        return LUT_SPECULAR_FRAME;
+    die(EXIT_USAGE, "--kind: '%s' is not half_vector or specular_frame", text);
 }
 
-static char *extrapolation_text(const struct measurement_grid *g, const struct specular_frame_options *o)
+/* Options of one kind given together with the other: named, rather than ignored. */
+static void check_kind(enum lut_kind kind, const char *half_vector_option, const char *frame_option)
 {
-    double lo = 90, hi = 0;
-    for (size_t i = 0; i < g->count; i++) {
-        double last = g->slices[i].theta_out[g->slices[i].theta_count - 1];
-        lo = fmin(lo, last);
-        hi = fmax(hi, last);
+    const char *misplaced = kind == LUT_HALF_VECTOR ? frame_option : half_vector_option;
+    if (misplaced)
+        die(EXIT_USAGE, "%s: only for %s, this is a %s table; leave it out or give --kind %s", misplaced,
+            kind == LUT_HALF_VECTOR ? "specular_frame" : "half_vector",
+            kind == LUT_HALF_VECTOR ? "half_vector" : "specular_frame",
+            kind == LUT_HALF_VECTOR ? "specular_frame" : "half_vector");
+}
+
+/* --- input --- */
+
+/* A path that is no file but becomes one when cut at its last colon. */
+static bool names_a_fit(const char *path)
+{
+    const char *colon = strrchr(path, ':');
+    if (!colon || !access(path, F_OK))
+        return false;
+    char *file = xstrdup(path);
+    file[colon - path] = 0;
+    bool is_file = !access(file, F_OK);
+    free(file);
+    return is_file;
+}
+
+static void input_open(struct build_input *in, const char *path)
+{
+    memset(in, 0, sizeof *in);
+    if (names_a_fit(path)) {
+        source_open(&in->source, path);
+        return;
     }
-    return lo < hi ? xasprintf("p=%g,l=%g,theta_b=%g..%g", o->p, o->l, lo, hi)
-                   : xasprintf("p=%g,l=%g,theta_b=%g", o->p, o->l, hi);
+    size_t bytes;
+    uint8_t *data = read_file(path, MAX_FILE_BYTES, &bytes);
+    in->is_measurement = !table_recognise(data, bytes) && !rgl_recognise(data, bytes);
+    if (in->is_measurement) {
+        struct measurement_grid grid;
+        measurement_load(&in->measurement, path, data, bytes);
+        measurement_grid_make(&grid, &in->measurement, path);
+        source_from_grid(&in->source, &grid, in->measurement.source);
+    } else {
+        source_open(&in->source, path);
+    }
+    free(data);
+}
+
+static void input_close(struct build_input *in)
+{
+    source_close(&in->source);
+    if (in->is_measurement)
+        measurement_free(&in->measurement);
 }
 
 int gtlut_build(int argc, char **argv)
 {
-    static const struct option options[] = {{"size", required_argument, 0, 's'},
-                                            {"p", required_argument, 0, 'p'},
-                                            {"l", required_argument, 0, 'l'},
-                                            {"help", no_argument, 0, 'h'},
-                                            {0}};
-    struct specular_frame_options o = {.width = 361, .height = 181, .p = 1, .l = 0.3};
-    const char *output = NULL;
+    static const struct option options[] = {{"kind", required_argument, 0, 'k'},   {"size", required_argument, 0, 's'},
+                                            {"max-de", required_argument, 0, 'e'}, {"packed", no_argument, 0, 'c'},
+                                            {"p", required_argument, 0, 'p'},      {"l", required_argument, 0, 'l'},
+                                            {"swap", no_argument, 0, 'w'},         {"json", no_argument, 0, 'j'},
+                                            {"help", no_argument, 0, 'h'},         {0}};
+    struct build_options o = {.frame = {.width = 361, .height = 181, .p = 1, .l = 0.3},
+                              .half_vector = {.texels = 16384}};
+    const char *size = NULL, *frame_option = NULL, *half_vector_option = NULL;
     for (int c; (c = gtlut_option(argc, argv, options, help)) != -1;) {
         if (c == 'o')
-            output = optarg;
+            o.output = optarg;
+        else if (c == 'k')
+            o.kind = parse_kind(optarg);
         else if (c == 's')
-            parse_size(&o, optarg);
+            size = optarg;
+        else if (c == 'e')
+            o.max_de = parse_double(half_vector_option = "--max-de", optarg, 0.001, 100);
+        else if (c == 'c')
+            o.packed = (half_vector_option = "--packed");
         else if (c == 'p')
-            o.p = parse_double("--p", optarg, 0, 1);
+            o.frame.p = parse_double(frame_option = "--p", optarg, 0, 1);
+        else if (c == 'l')
+            o.frame.l = parse_double(frame_option = "--l", optarg, 0, 1);
+        else if (c == 'w')
+            o.swap = (frame_option = "--swap");
         else
-            o.l = parse_double("--l", optarg, 0, 1);
+            o.json = true;
     }
-    const char *input = gtlut_argument(argc, argv, "measurement");
-    gtlut_need_output(output);
+    o.input = gtlut_argument(argc, argv, "source");
+    gtlut_need_output(o.output);
+    if (o.json && !strcmp(o.output, "-"))
+        die(EXIT_USAGE, "--json: stdout is taken by the table of -o -; give a file");
+    if (size && o.max_de > 0)
+        die(EXIT_USAGE, "--max-de: chooses the size itself; leave --size out");
 
-    struct measurement m;
-    struct measurement_grid grid;
-    struct specular_frame table;
-    measurement_read(&m, input);
-    measurement_grid_make(&grid, &m, input);
-    specular_frame_build(&table, &grid, &o, input);
-    uint32_t *texels = encode(&table);
-    report_energy(&table, texels);
-
-    char *extrapolation = extrapolation_text(&grid, &o);
-    char *theta_max = xasprintf("%ld", lround(1e3 * table.theta_max));
-    const struct ktx2_pair pairs[] = {{"KTXwriter", "Goniotile gtlut " GONIOTILE_VERSION, 0},
-                                      {"goniotile.extrapolation", extrapolation, 0},
-                                      {"goniotile.kind", "specular_frame", 0},
-                                      {"goniotile.source", m.source, 0},
-                                      {"goniotile.theta_max", theta_max, 0},
-                                      {"goniotile.version", "1", 0}};
-    size_t bytes;
-    uint8_t *file =
-        ktx2_compose(&bytes, texels, table.width, table.height, table.depth, pairs, sizeof pairs / sizeof *pairs);
-    write_file(output, file, bytes);
-    free(file);
-    free(theta_max);
-    free(extrapolation);
-    free(texels);
-    specular_frame_free(&table);
-    measurement_grid_free(&grid);
-    measurement_free(&m);
+    struct build_input in;
+    input_open(&in, o.input);
+    if (!o.kind)
+        o.kind = in.is_measurement ? LUT_SPECULAR_FRAME : LUT_HALF_VECTOR;
+    check_kind(o.kind, half_vector_option, frame_option);
+    if (o.kind == LUT_SPECULAR_FRAME && !in.is_measurement)
+        die(EXIT_BAD_INPUT,
+            "%s: not a measurement, a specular_frame table needs one; gtlut import it first, or --kind half_vector",
+            o.input);
+    if (size && o.kind == LUT_HALF_VECTOR)
+        parse_half_vector_size(&o, size);
+    else if (size)
+        parse_frame_size(&o, size);
+    (o.kind == LUT_HALF_VECTOR ? build_half_vector : build_specular_frame)(&in, &o);
+    input_close(&in);
     return EXIT_OK;
 }

@@ -1,4 +1,4 @@
-/* gtlut export: the slices of a table as one image. */
+/* gtlut export: the texels of a table as one image. */
 #include "gtlut.h"
 
 #include <math.h>
@@ -12,12 +12,23 @@
 
 static const char help[] = "usage: gtlut export TABLE -o out.exr|out.png [options]\n"
                            "\n"
-                           "Writes all slices of a table in row-major order into one image, as square an arrangement "
-                           "as fits (4 slices: 2 x 2).\n"
-                           "EXR holds the values in 1/sr as linear floats; PNG clamps them to 0..1 and encodes sRGB.\n"
+                           "Writes all texels of a table into one image, slice by slice in row-major order.\n"
+                           "\n"
+                           "  specular frame   a slice per theta_in, phi_d to the right, theta_d downwards, as square "
+                           "an arrangement as fits (4\n"
+                           "                   slices: 2 x 2); the BRDF in 1/sr\n"
+                           "  half vector      a slice per node of the difference angle, its azimuth to the right, the "
+                           "half angle downwards, as\n"
+                           "                   square an image as fits; the BRDF times (n.l + n.v) in 1/sr\n"
+                           "\n"
+                           "EXR holds the values as linear floats; PNG clamps them to 0..1 and encodes sRGB.\n"
                            "\n"
                            "  -o FILE       the image; its extension chooses the format\n"
-                           "  --exposure F  factor on all values, 1e-6..1e6; default 1\n";
+                           "  --exposure F  factor on all values, 1e-6..1e6; default 1\n"
+                           "\n"
+                           "examples\n"
+                           "  gtlut export gold.ktx2 -o gold.exr\n"
+                           "  gtlut export gold.ktx2 -o gold.png --exposure 0.2\n";
 
 #define MAX_FILE_BYTES (((size_t)4 << 24) + (1 << 20))
 
@@ -36,6 +47,13 @@ static float *composite(const struct lut_table *t, uint32_t columns, uint32_t ro
             }
         }
     return pixels;
+}
+
+/* Columns of the arrangement. */
+static uint32_t columns_of(const struct lut_table *t)
+{
+    double shape = t->kind == LUT_HALF_VECTOR ? (double)t->height / t->width : 1; /* slices are tall and narrow */
+    return (uint32_t)fmin(ceil(sqrt(t->depth * shape)), t->depth);
 }
 
 /* IEC 61966-2-1. */
@@ -68,8 +86,10 @@ int gtlut_export(int argc, char **argv)
     void *data = read_file(input, MAX_FILE_BYTES, &bytes);
     struct table_file t;
     table_open(&t, input, data, bytes);
-    uint32_t columns = (uint32_t)ceil(sqrt(t.table.depth)), rows = (t.table.depth + columns - 1) / columns;
+    uint32_t columns = columns_of(&t.table), rows = (t.table.depth + columns - 1) / columns;
     int w = (int)(t.table.width * columns), h = (int)(t.table.height * rows);
+    if (t.table.kind == LUT_HALF_VECTOR)
+        exposure = ldexp(exposure, t.table.scale);
     float *pixels = composite(&t.table, columns, rows, exposure);
     if (png) {
         size_t count = 3 * (size_t)w * (size_t)h;

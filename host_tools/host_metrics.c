@@ -225,21 +225,22 @@ double metrics_reciprocity(const struct brdf_source *f)
 void metrics_albedo(double rgb[3], const struct brdf_source *f, double theta_in)
 {
     /* Rings around the mirror direction at angle pi x^3: the narrowest lobe spans many. */
-    enum { RINGS = 192, SECTORS = 192 };
-    double theta = theta_in * pi / 180, s = sin(theta), c = cos(theta), l[3] = {s, 0, c};
-    rgb[0] = rgb[1] = rgb[2] = 0;
+    enum { RINGS = 160, SECTORS = 160 };
+    double theta = theta_in * pi / 180, s = sin(theta), c = cos(theta), l[3] = {s, 0, c}, sum[3] = {0}, whole = 0;
     for (int i = 0; i < RINGS; i++) {
         double x0 = (double)i / RINGS, x1 = (i + 1.0) / RINGS, x = (i + 0.5) / RINGS, ring = pi * x * x * x;
-        double solid = 2 * (pow(sin(pi * x1 * x1 * x1 / 2), 2) - pow(sin(pi * x0 * x0 * x0 / 2), 2)) * 2 * pi / SECTORS;
+        double solid = cos(pi * x0 * x0 * x0) - cos(pi * x1 * x1 * x1);
         for (int k = 0; k < SECTORS; k++) {
-            double phi = (k + 0.5) * 2 * pi / SECTORS, a = sin(ring) * cos(phi), b = sin(ring) * sin(phi),
-                   p = cos(ring);
-            double v[3] = {c * a - s * p, b, s * a + c * p}, one[3];
+            double phi = (k + 0.5) * 2 * pi / SECTORS, a = sin(ring) * cos(phi), b = sin(ring) * sin(phi);
+            double v[3] = {c * a - s * cos(ring), b, s * a + c * cos(ring)}, one[3];
             if (v[2] <= 0)
                 continue;
             f->value(one, f->ctx, l, v);
             for (int channel = 0; channel < 3; channel++)
-                rgb[channel] += one[channel] * v[2] * solid;
+                sum[channel] += one[channel] * v[2] * solid;
+            whole += v[2] * solid;
         }
     }
+    for (int channel = 0; channel < 3; channel++)
+        rgb[channel] = pi * sum[channel] / whole;
 }

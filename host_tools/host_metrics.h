@@ -29,8 +29,8 @@ void metrics_pictures(struct metrics *out, const struct brdf_source *f, const st
 /* Pictures and bands: about 54000 evaluations of each. */
 void metrics_compare(struct metrics *out, const struct brdf_source *f, const struct brdf_source *truth);
 
-/* Directional-hemispherical reflectance for light at theta_in, 0..89 degrees: the integral of f n.v over the hemisphere, by a
- * midpoint rule in the hemisphere around the mirror direction that is denser towards it. */
+/* Directional-hemispherical reflectance for light at theta_in, 0..89 degrees: the mean of f over the hemisphere weighted with
+ * n.v, times pi, so exact for a constant. 160 x 160 directions in rings around the mirror direction, denser towards it. */
 void metrics_albedo(double rgb[3], const struct brdf_source *f, double theta_in);
 
 /* sqrt(sum |(f(l,v) - f(v,l)) n.v|^2 / sum |f(l,v) n.v|^2), theta_in 0..75, theta_out below 88 degrees. 0 when f is black. */

@@ -1,6 +1,7 @@
 #include "host_specular_frame.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -103,32 +104,72 @@ void specular_frame_free(struct specular_frame *t)
     t->rgb = NULL;
 }
 
-static void texel_add(double rgb[3], uint32_t word, double weight)
+/* --- encoded tables --- */
+
+void specular_frame_read(struct specular_frame_table *out, const struct ktx2_view *file)
 {
-    struct lut_rgb t = lut_rgb9e5_decode(word);
-    for (int c = 0; c < 3; c++)
-        rgb[c] += weight * ldexp(t.c[c], t.e);
+    uint32_t bytes, swap_bytes;
+    const uint8_t *text = ktx2_find(file, "goniotile.theta_max", &bytes),
+                  *swap = ktx2_find(file, "goniotile.swap", &swap_bytes);
+    long thousandths = 0; /* digits only: lut_open has checked */
+    for (uint32_t i = 0; i < bytes; i++)
+        thousandths = 10 * thousandths + (text[i] - '0');
+    *out = (struct specular_frame_table){file->texels,
+                                         file->width,
+                                         file->height,
+                                         file->depth,
+                                         1e-3 * (double)thousandths,
+                                         swap && swap_bytes == 1 && swap[0] == '1'};
 }
 
-void specular_frame_albedo(double rgb[3], const uint32_t *slice, uint32_t width, uint32_t height, double theta_in)
+/* A coordinate of `nodes` nodes over 0..1 as node and fraction. */
+struct tap {
+    uint32_t node, step; /* the next node is node + step */
+    double fraction;
+};
+
+static struct tap tap_at(double x, uint32_t nodes)
 {
-    /* Half a degree: whole ones overstate a one-node lobe at the pole by 9 %, halves by 2 %. */
-    const double step = 0.5;
-    memset(rgb, 0, 3 * sizeof *rgb);
-    for (int i = 0; i < 90 / step; i++) {
-        double s0 = sin(i * step * degree), s1 = sin((i + 1) * step * degree);
-        double weight = (s1 * s1 - s0 * s0) / 2 * step * degree;
-        for (int k = 0; k < 360 / step; k++) {
-            double theta_d, phi_d;
-            to_angles(&theta_d, &phi_d, reflect_frame(from_angles((i + 0.5) * step, (k + 0.5) * step), theta_in));
-            double fx = (phi_d < 0 ? phi_d + 360 : phi_d) / 360 * (width - 1), fy = theta_d / 180 * (height - 1);
-            uint32_t x = (uint32_t)fmin(fx, width - 2), y = (uint32_t)fmin(fy, height - 2);
-            const uint32_t *t = slice + (size_t)y * width + x;
-            double u = fx - x, v = fy - y;
-            texel_add(rgb, t[0], weight * (1 - u) * (1 - v));
-            texel_add(rgb, t[1], weight * u * (1 - v));
-            texel_add(rgb, t[width], weight * (1 - u) * v);
-            texel_add(rgb, t[width + 1], weight * u * v);
-        }
+    double at = fmin(fmax(x, 0), 1) * (nodes - 1);
+    struct tap t = {(uint32_t)fmin(at, nodes > 1 ? nodes - 2 : 0), nodes > 1, 0};
+    t.fraction = at - t.node;
+    return t;
+}
+
+void specular_frame_value(double rgb[3], const struct specular_frame_table *t, const double l[3], const double v[3])
+{
+    if (t->swap && l[2] < v[2]) {
+        const double *other = l;
+        l = v;
+        v = other;
     }
+    double s = hypot(l[0], l[1]), x = s > 1e-12 ? l[0] / s : 1, y = s > 1e-12 ? l[1] / s : 0, theta_d, phi_d;
+    double theta_in = atan2(s, l[2]) / degree;
+    struct direction out = {v[0] * x + v[1] * y, v[1] * x - v[0] * y, v[2]};
+    to_angles(&theta_d, &phi_d, reflect_frame(out, theta_in));
+    struct tap a = tap_at((phi_d < 0 ? phi_d + 360 : phi_d) / 360, t->width), b = tap_at(theta_d / 180, t->height),
+               c = tap_at(theta_in / t->theta_max, t->depth);
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (int i = 0; i < 8; i++) {
+        size_t node =
+            (a.node + (i & 1 ? a.step : 0)) +
+            (size_t)t->width * ((b.node + (i & 2 ? b.step : 0)) + (size_t)t->height * (c.node + (i & 4 ? c.step : 0)));
+        double weight = (i & 1 ? a.fraction : 1 - a.fraction) * (i & 2 ? b.fraction : 1 - b.fraction) *
+                        (i & 4 ? c.fraction : 1 - c.fraction);
+        struct lut_rgb texel = lut_rgb9e5_decode(t->texels[node]);
+        for (int channel = 0; channel < 3; channel++)
+            rgb[channel] += weight * ldexp(texel.c[channel], texel.e);
+    }
+}
+
+static void source_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
+{
+    specular_frame_value(rgb, ctx, l, v);
+}
+
+void specular_frame_source(struct brdf_source *out, const struct specular_frame_table *t, const char *name)
+{
+    /* The context is only read. */
+    *out = (struct brdf_source){.value = source_value, .ctx = (void *)t, .theta_in = 90, .theta_out = 90};
+    snprintf(out->name, sizeof out->name, "%s", name);
 }

@@ -8,10 +8,11 @@
 #ifndef HOST_TOOLS_HOST_SPECULAR_FRAME_H
 #define HOST_TOOLS_HOST_SPECULAR_FRAME_H
 
-#include <stddef.h>
+#include <stdbool.h>
 #include <stdint.h>
 
-#include "host_measurement.h"
+#include "host_source.h"
+#include "ktx2.h"
 
 struct specular_frame_options {
     uint32_t width, height; /* 2..4096 */
@@ -31,8 +32,21 @@ void specular_frame_build(struct specular_frame *out, struct measurement_grid *g
                           const struct specular_frame_options *options, const char *path);
 void specular_frame_free(struct specular_frame *t);
 
-/* Directional-hemispherical reflectance of one slice of encoded texels for light at theta_in (degrees): the sum over 180 x 720
- * cells of the hemisphere whose weights add up to pi exactly, values bilinear between the table's nodes. */
-void specular_frame_albedo(double rgb[3], const uint32_t *slice, uint32_t width, uint32_t height, double theta_in);
+/* Encoded texels and what places them. */
+struct specular_frame_table {
+    const uint32_t *texels; /* [depth][height][width] RGB9_E5; not owned */
+    uint32_t width, height, depth;
+    double theta_max; /* degrees */
+    bool swap;        /* l and v are exchanged when n.l < n.v */
+};
+
+/* A table file that lut_open has accepted as LUT_SPECULAR_FRAME; the texels stay in the file. */
+void specular_frame_read(struct specular_frame_table *out, const struct ktx2_view *file);
+
+/* BRDF in 1/sr, trilinear between the texels, for unit vectors with positive z. */
+void specular_frame_value(double rgb[3], const struct specular_frame_table *t, const double l[3], const double v[3]);
+
+/* The same as a source; the table stays the caller's. */
+void specular_frame_source(struct brdf_source *out, const struct specular_frame_table *t, const char *name);
 
 #endif

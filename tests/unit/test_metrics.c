@@ -12,6 +12,8 @@
 
 #include "common.h"
 #include "host_metrics.h"
+#include "host_specular_frame.h"
+#include "ref_table.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -212,7 +214,7 @@ static void albedo_of_constants_lobes_and_retroreflection(void **state)
     double rgb[3];
     for (size_t i = 0; i < sizeof angles / sizeof *angles; i++) {
         metrics_albedo(rgb, &a, angles[i]);
-        assert_near(rgb[0], pi, 1e-3);
+        assert_near(rgb[0], pi, 1e-12);
         assert_near(rgb[2], rgb[0], 0);
         metrics_albedo(rgb, &b, angles[i]);
         assert_near(rgb[1], 2 * pi / 3, 1e-3);
@@ -222,6 +224,81 @@ static void albedo_of_constants_lobes_and_retroreflection(void **state)
     assert_near(rgb[0], 1, 0.002);
     metrics_albedo(rgb, &lobe, 75);
     assert_near(rgb[0], 1, 0.01);
+}
+
+/* --- tables as sources --- */
+
+static void albedo_of_a_constant_table_is_exact(void **state)
+{
+    (void)state;
+    uint32_t texels[37 * 19 * 2];
+    for (size_t i = 0; i < sizeof texels / sizeof *texels; i++)
+        texels[i] = 256u | 128u << 9 | 64u << 18 | 15u << 27; /* 1/2, 1/4, 1/8 per sr */
+    struct specular_frame_table table = {texels, 37, 19, 2, 60, false};
+    struct brdf_source source;
+    specular_frame_source(&source, &table, "constant");
+    for (double theta_in = 0; theta_in < 90; theta_in += 29) {
+        double albedo[3];
+        metrics_albedo(albedo, &source, theta_in);
+        for (int c = 0; c < 3; c++)
+            assert_near(albedo[c], pi / (2 << c), 1e-12);
+    }
+}
+
+static uint32_t random_word(uint32_t *state)
+{
+    *state = *state * 1664525 + 1013904223;
+    return *state >> 8;
+}
+
+static double random_unit(uint32_t *state)
+{
+    return (random_word(state) + 0.5) / (1 << 24);
+}
+
+static void specular_frame_in_double_equals_the_reference(void **state)
+{
+    (void)state;
+    enum { WIDTH = 19, HEIGHT = 10, DEPTH = 4 };
+    uint32_t seed = 1, texels[WIDTH * HEIGHT * DEPTH];
+    for (size_t i = 0; i < sizeof texels / sizeof *texels; i++)
+        texels[i] = (random_word(&seed) & 0x7ffffff) | (14 + (uint32_t)i % 3) << 27;
+    for (int swap = 0; swap < 2; swap++) {
+        struct ref_keys keys = {0};
+        ref_key_set_text(&keys, "goniotile.version", "1");
+        ref_key_set_text(&keys, "goniotile.kind", "specular_frame");
+        ref_key_set_text(&keys, "goniotile.theta_max", "60000");
+        if (swap)
+            ref_key_set_text(&keys, "goniotile.swap", "1");
+        size_t bytes;
+        void *file = ref_ktx2_write(WIDTH, HEIGHT, DEPTH, texels, &keys, &bytes);
+        struct ref_table *reference = ref_table_open(file, bytes);
+        struct ktx2_view view;
+        struct specular_frame_table table;
+        struct brdf_source source;
+        assert_non_null(reference);
+        assert_int_equal(ktx2_open(&view, file, bytes), LUT_OK);
+        specular_frame_read(&table, &view);
+        assert_int_equal(table.swap, swap);
+        specular_frame_source(&source, &table, "random");
+        for (int i = 0; i < 2000; i++) {
+            static const double n[3] = {0, 0, 1};
+            double d[2][3], got[3], want[3];
+            for (int k = 0; k < 2; k++) {
+                double z = random_unit(&seed), phi = 2 * pi * random_unit(&seed), r = sqrt(1 - z * z);
+                d[k][0] = r * cos(phi);
+                d[k][1] = r * sin(phi);
+                d[k][2] = z;
+            }
+            source.value(got, source.ctx, d[0], d[1]);
+            ref_table_eval(want, reference, n, d[0], d[1]);
+            for (int c = 0; c < 3; c++)
+                assert_near(got[c], want[c], 1e-6 * want[c] + 1e-7);
+        }
+        ref_table_free(reference);
+        ref_keys_free(&keys);
+        free(file);
+    }
 }
 
 /* --- real files: the asymmetry an independent study found --- */
@@ -262,6 +339,8 @@ int main(void)
         cmocka_unit_test(bands_are_weighted_integrals),
         cmocka_unit_test(reciprocity_is_the_relative_difference_of_exchanged_directions),
         cmocka_unit_test(albedo_of_constants_lobes_and_retroreflection),
+        cmocka_unit_test(albedo_of_a_constant_table_is_exact),
+        cmocka_unit_test(specular_frame_in_double_equals_the_reference),
         cmocka_unit_test(real_materials_are_not_reciprocal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

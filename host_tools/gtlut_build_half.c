@@ -1,0 +1,85 @@
+/* gtlut build: the half-vector table. */
+#include <stdlib.h>
+
+#include "common.h"
+#include "goniotile_version.h"
+#include "gtlut_build.h"
+#include "gtlut_table.h"
+
+static void symmetric_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
+{
+    source_symmetric(rgb, ctx, l, v);
+}
+
+/* Fits the smallest table of the ladder whose mean colour difference is at most max_de. */
+static void fit_within(struct half_vector *table, double *seconds, const struct build_input *in,
+                       const struct brdf_source *truth, double max_de)
+{
+    double best = 0;
+    unsigned best_size = 0;
+    *seconds = 0;
+    for (unsigned kilobytes = 1; kilobytes <= 256; kilobytes *= 2) {
+        struct half_vector_options size = {.texels = 256 * kilobytes};
+        struct half_vector_report report;
+        struct brdf_source source;
+        struct metrics m;
+        half_vector_build(table, &report, &in->source, &size);
+        *seconds += report.seconds;
+        half_vector_source(&source, table, "table");
+        metrics_pictures(&m, &source, truth);
+        if (m.de_mean <= max_de)
+            return;
+        if (!best_size || m.de_mean < best) {
+            best = m.de_mean;
+            best_size = kilobytes;
+        }
+        half_vector_free(table);
+    }
+    die(EXIT_WANTING, "--max-de: %g is not reached, the smallest mean dE is %.4g at %uK; allow more", max_de, best,
+        best_size);
+}
+
+static char *error_text(const struct metrics *m)
+{
+    return xasprintf("de=%.3g,de_p99=%.3g,psnr=%.3g,e_0_60=%.3g,e_60_75=%.3g,e_75_87=%.3g", m->de_mean, m->de_p99,
+                     m->psnr, m->band[0], m->band[1], m->band[2]);
+}
+
+void build_half_vector(const struct build_input *in, const struct build_options *o)
+{
+    struct brdf_source truth = {.value = symmetric_value, .ctx = (void *)&in->source, .theta_in = 90, .theta_out = 90};
+    struct brdf_source source;
+    struct half_vector table;
+    struct build_result r = {.kind = LUT_HALF_VECTOR};
+    if (o->max_de > 0) {
+        fit_within(&table, &r.seconds, in, &truth, o->max_de);
+    } else {
+        struct half_vector_report report;
+        half_vector_build(&table, &report, &in->source, &o->half_vector);
+        r.seconds = report.seconds;
+    }
+    half_vector_source(&source, &table, "table");
+    metrics_compare(&r.metrics, &source, &truth);
+    r.nodes[0] = table.h;
+    r.nodes[1] = table.d;
+    r.nodes[2] = table.t;
+    r.table_bytes = half_vector_bytes(&table);
+
+    char *error = error_text(&r.metrics);
+    const struct ktx2_pair pairs[] = {{"KTXwriter", "Goniotile gtlut " GONIOTILE_VERSION, 0},
+                                      {"goniotile.error", error, 0},
+                                      {"goniotile.source", in->source.name, 0}};
+    uint8_t *file = half_vector_compose(&r.file_bytes, &table, pairs, sizeof pairs / sizeof *pairs, o->packed);
+    if (o->packed) {
+        struct ktx2_view view;
+        uint32_t bytes = 0;
+        if (ktx2_open(&view, file, r.file_bytes) != LUT_OK || !ktx2_find_bytes(&view, "goniotile.slabs", &bytes))
+            die(EXIT_INTERNAL, "%s: the table just composed has no re-packed copy; leave --packed out", o->input);
+        r.packed_bytes = bytes;
+    }
+    write_file(o->output, file, r.file_bytes);
+    build_report(&r, &source, &in->source, o->json);
+    free(file);
+    free(error);
+    half_vector_free(&table);
+}
