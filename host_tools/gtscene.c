@@ -2,6 +2,7 @@
 #include "common.h"
 #include "goniotile_version.h"
 #include "gtscene_blob.h"
+#include "host_model.h"
 
 #include <getopt.h>
 #include <math.h>
@@ -25,6 +26,8 @@ static void print_build_help(void)
            "                      (the scene file's, else 0.5); 0 draws the finest\n"
            "      --no-lod        store the finest level only\n"
            "      --help          this text\n"
+           "Models of materials: " MODEL_NAMES ".\n"
+           "Lights: directional (direction, irradiance) or of type point (position, power, radius).\n"
            "Mesh files: .obj .ply .gltf .glb. Built-in shapes and their parameters (default; range):\n");
     for (const struct shape *s = shapes; s->name; s++) {
         printf("  %-13s %s\n", s->name, s->what);

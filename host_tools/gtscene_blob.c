@@ -169,6 +169,14 @@ void blob_print(const struct scene *s)
             printf(" %u (%u)", triangle_count(s, &s->lods[j]), s->lods[j].error);
         printf("\n");
     }
+    for (uint32_t i = 0; i < h->lights.count; i++) {
+        const struct scene_light *l = &s->lights[i];
+        if (l->kind == SCENE_LIGHT_POINT)
+            printf("light     %3u point at %g, %g, %g, ends at %g\n", i, l->position[0] / 65536.0,
+                   l->position[1] / 65536.0, l->position[2] / 65536.0, l->radius / 65536.0);
+        else
+            printf("light     %3u directional\n", i);
+    }
     for (uint32_t i = 0; i < h->materials.count; i++)
         printf("material   %2u %-15s slot %2u %s\n", i, s->materials[i].name, s->materials[i].slot,
                model_name(s->materials[i].kind));

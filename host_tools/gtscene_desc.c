@@ -15,9 +15,11 @@
     {                                                                                                                  \
         __VA_ARGS__, NULL                                                                                              \
     }
-#define MAX_MESHES   4096
-#define MAX_POSITION 32767
-#define MAX_BRIGHT   256 /* irradiance and exposure */
+#define MAX_MESHES    4096
+#define MAX_POSITION  32767
+#define MAX_BRIGHT    256    /* irradiance and exposure */
+#define MAX_POWER     800000 /* 4 pi times the largest intensity that the format has, 65536 */
+#define MIN_ROUGHNESS (SCENE_MIN_ROUGHNESS / 65536.0)
 
 static const double pi = 3.14159265358979323846;
 
@@ -174,9 +176,9 @@ static void read_output(struct scene_output *out, uq16_16_t *lod_error, const st
 }
 
 /* Irradiance directly, or colour times intensity. */
-static void read_light(struct scene_light *out, const struct node *n)
+static void read_directional(struct scene_light *out, const struct node *n)
 {
-    json_check_keys(n, KEYS("direction", "irradiance", "color", "intensity"));
+    json_check_keys(n, KEYS("type", "direction", "irradiance", "color", "intensity"));
     struct node direction = json_need(n, "direction"), irradiance = json_get(n, "irradiance"),
                 color = json_get(n, "color");
     double d[3], e[3] = {1, 1, 1}, intensity = 1;
@@ -198,9 +200,39 @@ static void read_light(struct scene_light *out, const struct node *n)
     }
 }
 
+/* Power, one for all colours or three, spread over all directions. */
+static void read_point(struct scene_light *out, const struct node *n)
+{
+    json_check_keys(n, KEYS("type", "position", "power", "radius"));
+    struct node position = json_need(n, "position"), power = json_need(n, "power"), radius = json_need(n, "radius");
+    double p[3], watts[3];
+    *out = (struct scene_light){.kind = SCENE_LIGHT_POINT};
+    json_vector(p, &position, -MAX_POSITION, MAX_POSITION);
+    if (cJSON_IsNumber(power.json))
+        watts[0] = watts[1] = watts[2] = json_number(&power, 0, MAX_POWER);
+    else
+        json_vector(watts, &power, 0, MAX_POWER);
+    for (int k = 0; k < 3; k++) {
+        out->position[k] = (q16_16_t)lrint(p[k] * 65536);
+        out->irradiance[k] = to_q16(watts[k] / (4 * pi));
+    }
+    out->radius = to_q16(json_number(&radius, 0.001, SCENE_MAX_RADIUS >> 16));
+}
+
+static void read_light(struct scene_light *out, const struct node *n)
+{
+    struct node type = json_get(n, "type");
+    const char *kind = type.json ? json_string(&type) : "directional";
+    if (!strcmp(kind, "directional"))
+        read_directional(out, n);
+    else if (!strcmp(kind, "point"))
+        read_point(out, n);
+    else
+        json_die(&type, "'%s' is no type of light; give directional or point", kind);
+}
+
 static void read_material(struct scene_material *out, const struct node *n)
 {
-    json_check_keys(n, KEYS("name", "model", "slot", "kd", "ks", "exponent"));
     struct node name = json_need(n, "name"), model = json_need(n, "model"), slot = json_get(n, "slot");
     const char *text = json_string(&name), *kind = json_string(&model);
     *out = (struct scene_material){.kind = (uint8_t)model_find(kind)};
@@ -215,9 +247,17 @@ static void read_material(struct scene_material *out, const struct node *n)
     if (out->kind == SCENE_MATERIAL_MEASURED)
         slot = json_need(n, "slot");
     out->slot = slot.json ? (uint8_t)json_whole(&slot, 0, 15) : 0;
-    read_rgb(out->kd, n, "kd", 0.5, 1);
-    read_rgb(out->ks, n, "ks", 0, 1);
+    if (out->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS) {
+        json_check_keys(n, KEYS("name", "model", "slot", "base_color", "metalness", "roughness"));
+        read_rgb(out->kd, n, "base_color", 0.5, 1);
+    } else {
+        json_check_keys(n, KEYS("name", "model", "slot", "kd", "ks", "exponent", "metalness", "roughness"));
+        read_rgb(out->kd, n, "kd", 0.5, 1);
+        read_rgb(out->ks, n, "ks", 0, 1);
+    }
     out->exponent = to_q16(number_or(n, "exponent", 1, 0, 4096));
+    out->metalness = to_q16(number_or(n, "metalness", 0, 0, 1));
+    out->roughness = to_q16(number_or(n, "roughness", 0.5, MIN_ROUGHNESS, 1));
 }
 
 static char *find_file(const char *scene_path, const char *name, const char *data_folder)

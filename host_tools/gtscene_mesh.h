@@ -25,7 +25,7 @@ void mesh_free(struct mesh *m);
 void mesh_load(struct mesh *out, const char *path);
 
 /* A built-in shape: closed, about 5,000 triangles by default, inside the sphere of radius 1.5. */
-#define SHAPE_MAX_PARAMETERS 4
+#define SHAPE_MAX_PARAMETERS 6
 
 struct shape {
     const char *name, *what;

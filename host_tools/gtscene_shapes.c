@@ -150,17 +150,21 @@ static void tube_point(struct point *out, const double c[3], const double t[3], 
     }
 }
 
-/* The torus knot (2,3) on a torus around z; the torus' normal is perpendicular to any curve on it. Parameters: rings, sides, tube. */
+/* The torus knot (2,3) on a torus of elliptical section around z; the torus' normal is perpendicular to any curve on it.
+ * Parameters: rings, sides, tube, major, minor, depth. */
 static void knot_point(struct point *out, const double *parameters, unsigned row, unsigned column)
 {
-    const double major = 0.6, minor = 0.26, t = 2 * pi * row / parameters[0];
-    double r = major + minor * cos(3 * t), dr = -3 * minor * sin(3 * t);
-    double c[3] = {r * cos(2 * t), r * sin(2 * t), minor * sin(3 * t)};
-    double n[3] = {cos(3 * t) * cos(2 * t), cos(3 * t) * sin(2 * t), sin(3 * t)};
-    double tangent[3] = {dr * cos(2 * t) - 2 * c[1], dr * sin(2 * t) + 2 * c[0], 3 * minor * cos(3 * t)};
+    const double major = parameters[3], minor = parameters[4], depth = parameters[5], t = 2 * pi * row / parameters[0];
+    double r = major + minor * cos(3 * t), dr = -3 * minor * sin(3 * t), flat = minor / depth;
+    double c[3] = {r * cos(2 * t), r * sin(2 * t), depth * sin(3 * t)};
+    double n[3] = {cos(3 * t) * cos(2 * t), cos(3 * t) * sin(2 * t), flat * sin(3 * t)};
+    double tangent[3] = {dr * cos(2 * t) - 2 * c[1], dr * sin(2 * t) + 2 * c[0], 3 * depth * cos(3 * t)};
     double length = sqrt(tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2]);
-    for (int k = 0; k < 3; k++)
+    double steep = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int k = 0; k < 3; k++) {
         tangent[k] /= length;
+        n[k] /= steep;
+    }
     tube_point(out, c, tangent, n, parameters[2], 2 * pi * column / parameters[1], 0);
 }
 
@@ -262,8 +266,13 @@ const struct shape shapes[] = {
      {{"segments", 20, 2, 400, true}, {"exponent", 5, 2, 12, false}},
      build_rounded_cube},
     {"knot",
-     "torus knot (2,3) around z",
-     {{"rings", 107, 24, 2000, true}, {"sides", 24, 3, 400, true}, {"tube", 0.19, 0.02, 0.24, false}},
+     "torus knot (2,3) around z; major and minor radius and depth of the torus",
+     {{"rings", 107, 24, 2000, true},
+      {"sides", 24, 3, 400, true},
+      {"tube", 0.19, 0.02, 0.24, false},
+      {"major", 0.6, 0.5, 0.7, false},
+      {"minor", 0.26, 0.2, 0.4, false},
+      {"depth", 0.26, 0.2, 0.5, false}},
      build_knot},
     {"vase", "vase around y, hollow", {{"rings", 53, 17, 1000, true}, {"sides", 48, 3, 1000, true}}, build_vase},
     {"gear",

@@ -72,7 +72,7 @@ smallest() { # shape parameters_at_their_lowest
     build "s/\"shape\".*segments\": 4/\"shape\": \"$1\", $2/" && "$G" info "$T/good.blob"
 }
 ok "shapes build at their coarsest" eval 'smallest sphere "\"segments\": 2" && smallest rounded_cube "\"segments\": 2, \"exponent\": 12" &&
-    smallest knot "\"rings\": 24, \"sides\": 3" && smallest vase "\"rings\": 17, \"sides\": 3" &&
+    smallest knot "\"rings\": 24, \"sides\": 3, \"major\": 0.5, \"minor\": 0.2, \"depth\": 0.5" && smallest vase "\"rings\": 17, \"sides\": 3" &&
     smallest gear "\"teeth\": 3, \"samples\": 4, \"sides\": 8" && smallest spring "\"rings\": 8, \"sides\": 3, \"turns\": 0.5"'
 
 # --- the blob ---
@@ -81,6 +81,26 @@ ok "two builds give the same bytes" eval '"$G" build host_tools/scenes/six_model
     "$G" build host_tools/scenes/six_models.json -o - >"$T/2" && cmp "$T/1" "$T/2"'
 ok "an object without lights and rotation, and a light by colour, build" eval \
     'build "s/\"irradiance\": \[1, 1, 1\]/\"color\": [1, 0.5, 0], \"intensity\": 2/; s/\"rotation\": [^]]*\]/\"rotation\": {\"axis\": [0, 1, 0], \"degrees\": -90}/"'
+point='s/"direction".*irradiance": \[1, 1, 1\]/"type": "point", "position": [1, -2.5, 3], "power": 60, "radius": 7.5/'
+metal='s/"measured".*exponent": 8/"metallic_roughness", "base_color": [1, 0.5, 0], "metalness": 1, "roughness": 0.25/'
+bytes() { # array_number offset count: bytes of the first element of an array of the blob, in decimal
+    local at
+    at=$(od -An -tu4 -j $((76 + 8 * $1)) -N 4 "$T/good.blob")
+    od -An -tu4 -v -w64 -j $((at + $2)) -N "$3" "$T/good.blob" | xargs
+}
+ok "a point light builds: power over 4 pi, radius" eval 'build "$point" && info_has "^lights +1 " "^light +0 point at 1, -2.5, 3, ends at 7.5$" &&
+    [ "$(bytes 0 0 32)" = "1 65536 4294803456 196608 312911 312911 312911 491520" ]'
+ok "a point light of three powers builds" eval 'build "$point; s/\"power\": 60/\"power\": [0, 60, 800000]/" &&
+    [ "$(bytes 0 16 12)" = "0 312911 4172151340" ]'
+ok "a light may say that it is directional" eval 'build "s/\"direction\"/\"type\": \"directional\", \"direction\"/" && info_has "^light +0 directional$"'
+many() { scene "/\"lights\"/s/(\{.*\})/$(printf '\\1,%.0s' {1..127})\1/" && "$G" build "$T/s.json" -o "$T/good.blob"; }
+ok "128 lights build" eval 'many && info_has "^lights +128 "'
+ok "a metallic-roughness material builds" eval 'build "$metal" && info_has "slot  0 metallic_roughness$" &&
+    [ "$(bytes 1 0 40)" = "3 65536 32768 0 0 0 0 65536 65536 16384" ]'
+ok "metalness and roughness of a metallic-roughness material have defaults" eval 'build "$metal; s/, \"metalness.*0\.25//" &&
+    [ "$(bytes 1 32 8)" = "0 32768" ]'
+ok "another material says what it is as metallic-roughness" eval 'build "s/\"exponent\": 8/\"exponent\": 8, \"metalness\": 0.5, \"roughness\": 1/" &&
+    [ "$(bytes 1 32 8)" = "32768 65536" ]'
 ok "a scene without objects builds" eval 'build "/\"objects\"/s/\[\{.*/[],/" && info_has "^objects +0 "'
 
 # --- levels of detail ---
@@ -115,7 +135,7 @@ ok "a colour that is none is refused" bad 's/#102030/#10203g/' 4 "output\.backgr
 ok "a name of 16 characters is refused" bad 's/"name": "a"/"name": "abcdefghijklmnop"/' 4 'has 16 characters; give 1 to 15'
 ok "a second mesh of the same name is refused" bad 's/"segments": 4\}/"segments": 4}, {"name": "m", "shape": "knot"}/' 4 \
     "meshes\[1\]\.name: 'm' is taken"
-ok "17 lights are refused" bad "/\"lights\"/s/(\{.*\})/$(printf '\\1,%.0s' {1..16})\1/" 4 'lights: 17 elements, more than the limit of 16'
+ok "129 lights are refused" bad "/\"lights\"/s/(\{.*\})/$(printf '\\1,%.0s' {1..128})\1/" 4 'lights: 129 elements, more than the limit of 128'
 
 # key, value out of range, the place reported
 while read -r key value place; do
@@ -137,6 +157,23 @@ fov_y 180 camera\.fov_y
 near 0 camera\.near
 exposure 257 output\.exposure
 EOT
+bad_light() { bad "$point; $1" 4 "$2"; }
+bad_metal() { bad "$metal; $1" 4 "$2"; }
+ok "an unknown type of light is refused" bad_light 's/"point"/"spot"/' "lights\[0\]\.type: 'spot' is no type of light; give directional or point"
+ok "a point light without position is refused" bad_light 's/"position": \[1, -2.5, 3\], //' 'lights\[0\]\.position: missing'
+ok "a point light without radius is refused" bad_light 's/, "radius": 7.5//' 'lights\[0\]\.radius: missing'
+ok "a point light without power is refused" bad_light 's/"power": 60, //' 'lights\[0\]\.power: missing'
+ok "a point light's radius of zero is refused" bad_light 's/7\.5/0/' 'lights\[0\]\.radius: 0 is out of range; give a number from 0.001 to 32768'
+ok "a point light's radius that is too large is refused" bad_light 's/7\.5/32769/' 'lights\[0\]\.radius: 32769 is out of range'
+ok "a point light's power that is too large is refused" bad_light 's/60/800001/' 'lights\[0\]\.power: 800001 is out of range; give a number from 0 to 800000'
+ok "a point light's negative power is refused" bad_light 's/60/[1, 2, -3]/' 'lights\[0\]\.power\[2\]: -3 is out of range'
+ok "a point light far away is refused" bad_light 's/-2\.5/40000/' 'lights\[0\]\.position\[1\]: 40000 is out of range'
+ok "irradiance of a point light is refused" bad_light 's/"power"/"irradiance"/' 'lights\[0\]\.irradiance: unknown key; known here: type, position, power, radius$'
+ok "kd of a metallic-roughness material is refused" bad_metal 's/base_color/kd/' 'materials\[0\]\.kd: unknown key; known here: name, model, slot, base_color, metalness, roughness$'
+ok "base colour of another material is refused" bad 's/"kd"/"base_color"/' 4 'materials\[0\]\.base_color: unknown key'
+ok "a base colour out of range is refused" bad_metal 's/\[1, 0.5, 0\]/[1, 1.5, 0]/' 'materials\[0\]\.base_color\[1\]: 1.5 is out of range'
+ok "a metalness out of range is refused" bad_metal 's/"metalness": 1/"metalness": 1.1/' 'materials\[0\]\.metalness: 1.1 is out of range; give a number from 0 to 1$'
+ok "a roughness below the least is refused" bad_metal 's/0\.25/0.03/' 'materials\[0\]\.roughness: 0.03 is out of range; give a number from 0.03125 to 1$'
 ok "a light without direction is refused" bad 's/\[0, 1, 1\]/[0, 0, 0]/' 4 'lights\[0\]\.direction: has no direction'
 ok "an eye at the target is refused" bad 's/\[0, 0, 5\]/[0, 0, 0]/' 4 'camera\.target: is where the eye is'
 ok "an up along the view is refused" bad 's/"up": \[0, 1, 0\]/"up": [0, 0, 2]/' 4 'camera\.up: points along the view'
@@ -200,6 +237,13 @@ ok "two scene files are a usage error" refused 2 '2 scene files given, 1 wanted'
 ok "an unknown option is a usage error" refused 2 'unrecognized option' "$G" build --fast a -o "$T/x.blob"
 ok "help goes to stdout" eval '"$G" --help | grep -q "gtscene build" && "$G" build --help | grep -q rounded_cube && "$G" info --help | grep -q blob'
 ok "the version is printed" eval '"$G" --version | grep -qE "^gtscene [0-9]+\.[0-9]+\.[0-9]+$"'
+
+# --- the scenes that come along ---
+for file in host_tools/scenes/*.json; do
+    name=$(basename "$file" .json)
+    grep -q '"file"' "$file" && continue
+    ok "$name builds" "$G" build "$file" -o "$T/$name.blob"
+done
 
 # --- real meshes ---
 D=${GONIOTILE_DATA:-../shared/data}/meshes

@@ -29,7 +29,7 @@ static double random_signed(void)
     return random_u32() / 2147483648.0 - 1;
 }
 
-/* A tetrahedron in two objects, two materials, two lights: 144 + 56 + 96 + 120 + 20 + 12 + 176 + 120 + 12 bytes. */
+/* A tetrahedron in two objects, two materials, two lights: 144 + 64 + 112 + 120 + 20 + 12 + 176 + 120 + 12 bytes. */
 static uint8_t *small_blob(size_t *bytes)
 {
     static const int16_t vertices[4][3] = {{0, 0, 0}, {9000, 0, 0}, {0, 9000, 0}, {0, 0, 9000}};
@@ -135,8 +135,8 @@ enum { LIGHTS, MATERIALS, OBJECTS, MESHES, LODS, MESHLETS, VERTICES, TRIANGLES }
 
 static const struct damage damages[] = {
     {"magic", HEADER(magic), 0x43535448, SCENE_ERR_MAGIC},
-    {"version newer", HEADER(version), 3, SCENE_ERR_VERSION},
-    {"version older", HEADER(version), 1, SCENE_ERR_VERSION},
+    {"version newer", HEADER(version), 4, SCENE_ERR_VERSION},
+    {"version older", HEADER(version), 2, SCENE_ERR_VERSION},
     {"header_bytes", HEADER(header_bytes), 140, SCENE_ERR_HEADER},
     {"total_bytes tiny", HEADER(total_bytes), 143, SCENE_ERR_HEADER},
     {"total_bytes short", HEADER(total_bytes), 144, SCENE_ERR_HEADER},
@@ -152,7 +152,7 @@ static const struct damage damages[] = {
     {"exposure", HEADER(output.exposure), (1 << 24) + 1, SCENE_ERR_OUTPUT},
     {"tone curve", HEADER(output.tone_curve), 3, SCENE_ERR_OUTPUT},
     {"level-of-detail threshold", HEADER(lod_error), (64 << 16) + 1, SCENE_ERR_OUTPUT},
-    {"lights count", HEADER(lights.count), 17, SCENE_ERR_LIMIT},
+    {"lights count", HEADER(lights.count), 129, SCENE_ERR_LIMIT},
     {"materials count", HEADER(materials.count), 65, SCENE_ERR_LIMIT},
     {"objects count", HEADER(objects.count), 4097, SCENE_ERR_LIMIT},
     {"objects long", HEADER(objects.count), 4096, SCENE_ERR_TRUNCATED},
@@ -167,12 +167,17 @@ static const struct damage damages[] = {
     {"offset inside the header", HEADER(lights.offset), 136, SCENE_ERR_HEADER},
     {"offset odd", HEADER(vertices.offset), 142, SCENE_ERR_ALIGNMENT},
     {"offset outside", HEADER(triangles.offset), 0xfffffffc, SCENE_ERR_TRUNCATED},
-    {"light kind", IN(LIGHTS, scene_light, kind), 1, SCENE_ERR_LIGHT},
+    {"light kind", IN(LIGHTS, scene_light, kind), 2, SCENE_ERR_LIGHT},
+    {"light a point without radius", IN(LIGHTS, scene_light, kind), 1, SCENE_ERR_LIGHT},
+    {"light directional with a radius", IN(LIGHTS, scene_light, radius), 1, SCENE_ERR_LIGHT},
     {"light reserved", IN(LIGHTS, scene_light, reserved[2]), 1, SCENE_ERR_LIGHT},
     {"light direction short", IN(LIGHTS, scene_light, direction[2]), 1 << 29, SCENE_ERR_LIGHT},
     {"light direction long", IN(LIGHTS, scene_light, direction[2]), 0x80000000, SCENE_ERR_LIGHT},
     {"light irradiance", IN(LIGHTS, scene_light, irradiance[1]), (1 << 24) + 1, SCENE_ERR_LIGHT},
-    {"material kind", IN(MATERIALS, scene_material, kind), 3, SCENE_ERR_MATERIAL},
+    {"material kind", IN(MATERIALS, scene_material, kind), 4, SCENE_ERR_MATERIAL},
+    {"material metallic without roughness", IN(MATERIALS, scene_material, kind), 3, SCENE_ERR_MATERIAL},
+    {"material metalness", IN(MATERIALS, scene_material, metalness), 65537, SCENE_ERR_MATERIAL},
+    {"material roughness", IN(MATERIALS, scene_material, roughness), 65537, SCENE_ERR_MATERIAL},
     {"material slot", IN(MATERIALS, scene_material, slot), 16, SCENE_ERR_MATERIAL},
     {"material reserved", IN(MATERIALS, scene_material, reserved[0]), 1, SCENE_ERR_MATERIAL},
     {"material kd", IN(MATERIALS, scene_material, kd[2]), 65537, SCENE_ERR_MATERIAL},
@@ -240,6 +245,93 @@ static void open_rejects_each_damaged_field_by_its_status(void **state)
     for (int i = SCENE_ERR_MAGIC; i < SCENE_STATUS_COUNT; i++)
         assert_true(seen[i]);
     free(blob);
+}
+
+static void point_lights_are_checked(void **state)
+{
+    (void)state;
+    const struct scene_light good = {.kind = SCENE_LIGHT_POINT,
+                                     .position = {INT32_MIN, 0, INT32_MAX},
+                                     .irradiance = {0, 1, UINT32_MAX},
+                                     .radius = 1};
+    struct scene_light l = good;
+    assert_int_equal(scene_check_light(&l), SCENE_OK);
+    l.radius = SCENE_MAX_RADIUS;
+    assert_int_equal(scene_check_light(&l), SCENE_OK);
+    l.radius = SCENE_MAX_RADIUS + 1;
+    assert_int_equal(scene_check_light(&l), SCENE_ERR_LIGHT);
+    l.radius = 0;
+    assert_int_equal(scene_check_light(&l), SCENE_ERR_LIGHT);
+    for (int i = 0; i < 3; i++) {
+        l = good;
+        l.reserved[i] = 1;
+        assert_int_equal(scene_check_light(&l), SCENE_ERR_LIGHT);
+    }
+    l = good;
+    l.kind = 2;
+    assert_int_equal(scene_check_light(&l), SCENE_ERR_LIGHT);
+    l.kind = SCENE_LIGHT_DIRECTIONAL; /* what is a position is no direction */
+    assert_int_equal(scene_check_light(&l), SCENE_ERR_LIGHT);
+}
+
+static void reference_reader_agrees_on_point_lights(void **state)
+{
+    (void)state;
+    size_t bytes;
+    uint8_t *blob = small_blob(&bytes);
+    const struct scene_light l = {.kind = SCENE_LIGHT_POINT,
+                                  .position = {-3 << 15, 1, INT32_MAX},
+                                  .irradiance = {3 << 15, 0, UINT32_MAX},
+                                  .radius = 5 << 14};
+    memcpy(blob + ((const struct scene_header *)(const void *)blob)->lights.offset, &l, sizeof l);
+    struct ref_scene *r = ref_scene_open(blob, bytes);
+    assert_non_null(r);
+    assert_true(r->lights[0].point && !r->lights[1].point && r->lights[0].radius == 1.25);
+    for (int k = 0; k < 3; k++) {
+        assert_true(r->lights[0].position[k] == l.position[k] / 65536.0);
+        assert_true(r->lights[0].irradiance[k] == l.irradiance[k] / 65536.0);
+    }
+    ref_scene_close(r);
+    free(blob);
+}
+
+static enum scene_status open_with_material(const struct scene_material *m)
+{
+    size_t bytes;
+    struct scene s;
+    uint8_t *blob = small_blob(&bytes);
+    const struct scene_header *h = (const struct scene_header *)(const void *)blob;
+    memcpy(blob + h->materials.offset + sizeof *m, m, sizeof *m); /* the second one */
+    enum scene_status status = scene_open(&s, blob, bytes);
+    free(blob);
+    return status;
+}
+
+static void metallic_roughness_materials_are_checked(void **state)
+{
+    (void)state;
+    const struct scene_material good = {.kind = SCENE_MATERIAL_METALLIC_ROUGHNESS,
+                                        .kd = {65536, 0, 1},
+                                        .metalness = 65536,
+                                        .roughness = SCENE_MIN_ROUGHNESS,
+                                        .name = "gold"};
+    struct scene_material m = good;
+    assert_int_equal(open_with_material(&m), SCENE_OK);
+    m.roughness = 65536;
+    m.metalness = 0;
+    assert_int_equal(open_with_material(&m), SCENE_OK);
+    m.roughness = SCENE_MIN_ROUGHNESS - 1;
+    assert_int_equal(open_with_material(&m), SCENE_ERR_MATERIAL);
+    m = good;
+    m.metalness = 65537;
+    assert_int_equal(open_with_material(&m), SCENE_ERR_MATERIAL);
+    for (int k = 0; k < 3; k++) {
+        m = good;
+        m.ks[k] = 1;
+        assert_int_equal(open_with_material(&m), SCENE_ERR_MATERIAL);
+        m.kind = SCENE_MATERIAL_BLINN_PHONG; /* which may say what it is as the other */
+        assert_int_equal(open_with_material(&m), SCENE_OK);
+    }
 }
 
 static void open_survives_random_damage(void **state)
@@ -364,6 +456,7 @@ static void reference_reader_agrees_with_the_structures(void **state)
         assert_string_equal(ref->materials[i].name, m->name);
         assert_true(ref->materials[i].ks[1] == m->ks[1] / 65536.0 && ref->materials[i].kd[0] == m->kd[0] / 65536.0);
         assert_true(ref->materials[i].exponent == m->exponent / 65536.0);
+        assert_true(ref->materials[i].roughness == m->roughness / 65536.0);
         assert_true(ref->objects[i].matrix[2][3] == o->position[2] / 65536.0);
         assert_true(ref->objects[i].matrix[1][0] ==
                     ldexp(o->scale_mantissa, -30 - o->scale_shift) * ldexp(o->rotation[3], -30));
@@ -580,6 +673,9 @@ int main(void)
         cmocka_unit_test(open_accepts_an_empty_scene),
         cmocka_unit_test(open_rejects_every_truncation),
         cmocka_unit_test(open_rejects_each_damaged_field_by_its_status),
+        cmocka_unit_test(point_lights_are_checked),
+        cmocka_unit_test(reference_reader_agrees_on_point_lights),
+        cmocka_unit_test(metallic_roughness_materials_are_checked),
         cmocka_unit_test(open_survives_random_damage),
         cmocka_unit_test(open_is_linear_in_hostile_blobs),
         cmocka_unit_test(every_status_has_its_own_text),
