@@ -11,6 +11,9 @@
 #include "raster.h"
 
 #define MAX_COORDINATE 32767.0 /* of q16_16_t */
+#define MAX_POWER      800000  /* 4 pi times the largest intensity */
+
+static const double pi = 3.14159265358979323846;
 
 /* Sends one setting and ends the session. */
 static void set_send(uint32_t setting, const void *value, size_t bytes, const char *what)
@@ -101,7 +104,7 @@ static void camera_look_at(struct scene_camera *c, const struct camera_args *a)
         c->rotation[i] = fixed(row[i / 3][i % 3], 30);
     for (int i = 0; i < 3; i++)
         c->eye[i] = fixed(a->eye[i], 16);
-    c->focal = (uint32_t)fixed(1 / tan(a->fov * (3.14159265358979323846 / 360)), 16);
+    c->focal = (uint32_t)fixed(1 / tan(a->fov * (pi / 360)), 16);
     c->near = (uint32_t)fixed(a->near, 16);
 }
 
@@ -126,10 +129,11 @@ static void set_camera(int argc, char **argv)
 /* --- set light --- */
 
 struct light_args {
-    double direction[3], irradiance[3];
+    double direction[3], irradiance[3], position[3], power[3], radius;
     long index;
-    unsigned given; /* bits: direction, irradiance */
+    unsigned given; /* bits as below */
 };
+enum { DIRECTION = 1, IRRADIANCE = 2, POSITION = 4, POWER = 8, RADIUS = 16 };
 
 static error_t parse_light(int key, char *arg, struct argp_state *state)
 {
@@ -137,11 +141,23 @@ static error_t parse_light(int key, char *arg, struct argp_state *state)
     switch (key) {
     case 'd':
         parse_triple(a->direction, "--direction", arg, -1e6, 1e6);
-        a->given |= 1;
+        a->given |= DIRECTION;
         return 0;
     case 'i':
         parse_triple(a->irradiance, "--irradiance", arg, 0, MAX_COORDINATE);
-        a->given |= 2;
+        a->given |= IRRADIANCE;
+        return 0;
+    case 'x':
+        parse_triple(a->position, "--position", arg, -MAX_COORDINATE, MAX_COORDINATE);
+        a->given |= POSITION;
+        return 0;
+    case 'w':
+        parse_triple(a->power, "--power", arg, 0, MAX_POWER);
+        a->given |= POWER;
+        return 0;
+    case 'r':
+        a->radius = parse_double("--radius", arg, 0.001, SCENE_MAX_RADIUS >> 16);
+        a->given |= RADIUS;
         return 0;
     case ARGP_KEY_ARG:
         if (a->index >= 0)
@@ -149,40 +165,63 @@ static error_t parse_light(int key, char *arg, struct argp_state *state)
         a->index = parse_long("INDEX", arg, 0, SCENE_MAX_LIGHTS - 1);
         return 0;
     case ARGP_KEY_END:
-        if (a->index < 0 || a->given != 3)
-            die(EXIT_USAGE, "INDEX, --direction and --irradiance are all needed; give the whole light");
+        if (a->index < 0 || (a->given != (DIRECTION | IRRADIANCE) && a->given != (POSITION | POWER | RADIUS)))
+            die(EXIT_USAGE,
+                "INDEX and either --direction and --irradiance, or --position, --power and --radius, are all "
+                "needed; give the whole light");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
 }
 
+static void directional_light(struct scene_light *light, struct light_args *a)
+{
+    if (!(normalize(a->direction) > 0))
+        die(EXIT_USAGE, "--direction: 0,0,0 has none; say where the light is");
+    light->kind = SCENE_LIGHT_DIRECTIONAL;
+    for (int i = 0; i < 3; i++) {
+        light->direction[i] = fixed(a->direction[i], 30);
+        light->irradiance[i] = (uint32_t)fixed(a->irradiance[i], 16);
+    }
+}
+
+static void point_light(struct scene_light *light, const struct light_args *a)
+{
+    light->kind = SCENE_LIGHT_POINT;
+    light->radius = (uint32_t)llrint(a->radius * 65536);
+    for (int i = 0; i < 3; i++) {
+        light->position[i] = fixed(a->position[i], 16);
+        light->irradiance[i] = (uint32_t)llrint(a->power[i] / (4 * pi) * 65536);
+    }
+}
+
 static void set_light(int argc, char **argv)
 {
     static const struct argp_option options[] = {
+        {0, 0, 0, 0, "A directional light:", 1},
         {"direction", 'd', "X,Y,Z", 0, "towards the light, in world space, of any length", 0},
         {"irradiance", 'i', "R,G,B", 0, "on a surface facing it, linear sRGB; 3.14159 shows white diffuse as white", 0},
+        {0, 0, 0, 0, "A point light:", 2},
+        {"position", 'x', "X,Y,Z", 0, "where it is, in world units", 0},
+        {"power", 'w', "R,G,B", 0,
+         "into all directions, linear sRGB; 39.4784 shows white diffuse as white, one unit away", 0},
+        {"radius", 'r', "DISTANCE", 0, "where its light ends", 0},
         {0}};
-    static const struct argp argp = {options,
-                                     parse_light,
-                                     "INDEX",
-                                     "Replaces directional light INDEX (the number of lights adds one), until reset.",
-                                     device_options,
-                                     NULL,
-                                     NULL};
+    static const struct argp argp = {
+        options,        parse_light, "INDEX", "Replaces light INDEX (the number of lights adds one), until reset.",
+        device_options, NULL,        NULL};
     struct light_args a = {.index = -1};
     struct {
         uint32_t index;
         struct scene_light light;
-    } value = {.light.kind = SCENE_LIGHT_DIRECTIONAL};
+    } value = {.index = 0};
     options_parse(&argp, argc, argv, &a);
-    if (!(normalize(a.direction) > 0))
-        die(EXIT_USAGE, "--direction: 0,0,0 has none; say where the light is");
     value.index = (uint32_t)a.index;
-    for (int i = 0; i < 3; i++) {
-        value.light.direction[i] = fixed(a.direction[i], 30);
-        value.light.irradiance[i] = (uint32_t)fixed(a.irradiance[i], 16);
-    }
+    if (a.given & DIRECTION)
+        directional_light(&value.light, &a);
+    else
+        point_light(&value.light, &a);
     set_send(USB_SET_LIGHT, &value, sizeof value, "light");
 }
 
@@ -260,7 +299,7 @@ static void set_model(int argc, char **argv)
 {
     static const struct argp argp = {NULL,
                                      parse_words,
-                                     "measured|lafortune_phong|blinn_phong|scene",
+                                     "measured|lafortune_phong|blinn_phong|metallic_roughness|scene",
                                      "Shades every material by one model, or each as the scene says, until reset.",
                                      device_options,
                                      NULL,

@@ -44,7 +44,7 @@ usage select_slot_out_of_range "gtusb: select: SLOT: '16' is not .* 0 to 15" sel
 usage select_material_out_of_range "gtusb: select: MATERIAL: '-1' is not .*" select -- -1 0
 usage set_without_setting "gtusb: set: no setting ''; .*" set
 usage set_unknown_setting "gtusb: set: no setting 'weather'; .*" set weather
-usage model_unknown "gtusb: set: no model 'phong'; it is one of measured, lafortune_phong, blinn_phong, scene" set model phong
+usage model_unknown "gtusb: set: no model 'phong'; it is one of measured, lafortune_phong, blinn_phong, metallic_roughness, scene" set model phong
 usage model_missing "gtusb: set: no model ''; .*" set model
 usage camera_incomplete 'gtusb: set: --eye, --target, --fov and --near are all needed; .*' set camera --eye 0,0,1
 usage camera_not_three_numbers "gtusb: set: --eye: '1,2' is not three numbers; write x,y,z" set camera --eye 1,2
@@ -56,8 +56,14 @@ usage camera_eye_is_target 'gtusb: set: --eye and --target are the same point; .
     set camera --eye 1,1,1 --target 1,1,1 --fov 40 --near 0.1
 usage camera_up_along_view 'gtusb: set: --up is parallel to .*' \
     set camera --eye 0,2,0 --target 0,0,0 --fov 40 --near 0.1
-usage light_incomplete 'gtusb: set: INDEX, --direction and --irradiance are all needed; .*' set light 0 --direction 0,1,0
-usage light_index_out_of_range "gtusb: set: INDEX: '16' is not .*" set light 16 --direction 0,1,0 --irradiance 1,1,1
+light_needs='gtusb: set: INDEX and either --direction and --irradiance, or --position, --power and --radius, are all needed; .*'
+usage light_incomplete "$light_needs" set light 0 --direction 0,1,0
+usage point_light_incomplete "$light_needs" set light 0 --position 0,1,0 --power 1,1,1
+usage light_of_both_kinds "$light_needs" set light 0 --direction 0,1,0 --irradiance 1,1,1 --radius 2
+usage point_light_radius_zero "gtusb: set: --radius: '0' is not .*" set light 0 --radius 0
+usage point_light_power_too_large "gtusb: set: --power: '800001' is not .*" set light 0 --power 0,0,800001
+usage point_light_too_far "gtusb: set: --position: '40000' is not .*" set light 0 --position 0,40000,0
+usage light_index_out_of_range "gtusb: set: INDEX: '128' is not .*" set light 128 --direction 0,1,0 --irradiance 1,1,1
 usage light_without_direction 'gtusb: set: --direction: 0,0,0 has none; .*' \
     set light 0 --direction 0,0,0 --irradiance 1,1,1
 usage light_negative_irradiance "gtusb: set: --irradiance: '-1' is not .*" set light 0 --irradiance 1,-1,1
@@ -189,6 +195,7 @@ changes select_changes_the_frame_until_reset gtusb select 1 6
 changes model_changes_the_frame_until_reset gtusb set model lafortune_phong
 changes camera_changes_the_frame_until_reset gtusb set camera --eye 0,2,9 --target 0,0.5,0 --fov 35 --near 0.1
 changes light_changes_the_frame_until_reset gtusb set light 0 --direction 1,0,3 --irradiance 1,2,1
+changes point_light_changes_the_frame_until_reset gtusb set light 0 --position 0,1,4 --power 100,80,60 --radius 9
 changes added_light_changes_the_frame_until_reset gtusb set light 3 --direction 0,0,1 --irradiance 1,1,1
 changes output_changes_the_frame_until_reset gtusb set output --exposure 0.5 --tone none --background 200,10,20
 scene_model_restores() {
