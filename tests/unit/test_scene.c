@@ -280,7 +280,7 @@ static void reference_reader_agrees_on_point_lights(void **state)
     size_t bytes;
     uint8_t *blob = small_blob(&bytes);
     const struct scene_light l = {.kind = SCENE_LIGHT_POINT,
-                                  .position = {-3 << 15, 1, INT32_MAX},
+                                  .position = {-98304, 1, INT32_MAX},
                                   .irradiance = {3 << 15, 0, UINT32_MAX},
                                   .radius = 5 << 14};
     memcpy(blob + ((const struct scene_header *)(const void *)blob)->lights.offset, &l, sizeof l);
