@@ -122,6 +122,9 @@ static void tile_render(struct app *app)
     uint32_t ticks = app->hal->clock ? clock_now(app) - start : modelled_ticks(&s);
     struct usb_tile_stats t = {s.triangles, s.tested, s.covered, s.shaded, s.fetches, ticks};
     stats_add(&f->stats.total, &t);
+    app->push_credit += ticks / (APP_PUSH_SHARE * APP_PUSH_COST) + 1; /* < 2^27 */
+    if (app->push_credit > USB_MAX_DATA)
+        app->push_credit = USB_MAX_DATA;
     if (f->recorded && app->config.tile_stats && index < app->config.tile_stats_count)
         app->config.tile_stats[index] = t;
     const uint8_t *pixels = raster_tile_pixels(&f->work);
@@ -168,6 +171,7 @@ static void frame_step(struct app *app)
 static void stream_drop(struct app *app)
 {
     protocol_clear_in(&app->protocol);
+    app->verified = 0;
     if (!app->frame.streamed)
         return;
     app->frame.streamed = false;

@@ -26,6 +26,12 @@ struct app_config {
     const char *serial; /* USB serial number, ASCII, 1 to 31 characters, must outlive the app */
 };
 
+/* While a frame is rendered, uploads get one part in APP_PUSH_SHARE of the tiles' time: tiles earn credit, and a DATA message
+ * waits until there is enough for it, at APP_PUSH_COST instructions per byte (tests/board/push measures fewer). What an erase
+ * of a flash block takes comes on top. */
+#define APP_PUSH_SHARE 8u
+#define APP_PUSH_COST  12u
+
 enum app_status { APP_OK = 0, APP_ERR_CONFIG, APP_ERR_FLASH };
 
 /* What frames are made from: the live scene with what the host has overridden, and the live tables. Changes
@@ -64,8 +70,10 @@ struct app {
     struct table_store store;
     struct app_content content;
     struct app_frame frame;
-    struct usb_stats stats; /* of the last complete frame */
-    uint32_t frames;        /* complete ones since app_init */
+    struct usb_stats stats;        /* of the last complete frame */
+    uint32_t push_credit;          /* bytes of DATA that the tiles so far allow, at most USB_MAX_DATA */
+    uint32_t verified, verify_crc; /* of the VERIFY at work: bytes read, their CRC */
+    uint32_t frames;               /* complete ones since app_init */
 };
 
 /* In: *hal and what *config points to stay owned by the caller and must outlive *app; *config is copied.

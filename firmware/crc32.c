@@ -38,11 +38,24 @@ static const uint32_t remainders[256] = {
 };
 // clang-format on
 
+static uint32_t byte_shift(uint32_t crc)
+{
+    return crc >> 8 ^ remainders[crc & 0xff];
+}
+
 uint32_t crc32_update(uint32_t crc, const void *data, size_t bytes)
 {
-    const uint8_t *p = data, *end = p + bytes;
+    const uint8_t *p = data;
     crc = ~crc;
-    while (p != end)
-        crc = crc >> 8 ^ remainders[(crc ^ *p++) & 0xff];
+    for (; bytes && (uintptr_t)p % 4 != 0; bytes--)
+        crc = byte_shift(crc ^ *p++);
+    for (; bytes >= 4;
+         bytes -= 4, p += 4) { /* little-endian, as usb_protocol.h asserts: the first byte is the lowest */
+        uint32_t word;
+        __builtin_memcpy(&word, __builtin_assume_aligned(p, 4), 4);
+        crc = byte_shift(byte_shift(byte_shift(byte_shift(crc ^ word))));
+    }
+    while (bytes--)
+        crc = byte_shift(crc ^ *p++);
     return ~crc;
 }

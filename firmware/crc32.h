@@ -1,6 +1,6 @@
 /*
  * CRC-32 of IEEE 802.3 (reflected polynomial 0xedb88320, initial value and final inversion all ones), as zlib and gzip
- * compute it. About 7 instructions per byte on Cortex-M4, 1 KB of flash.
+ * compute it. A word at a time with one table of 1 KB: about 4 instructions per byte on Cortex-M4.
  */
 #ifndef FIRMWARE_CRC32_H
 #define FIRMWARE_CRC32_H

@@ -1,5 +1,7 @@
 #include "protocol.h"
 
+#include "crc32.h"
+
 void protocol_init(struct protocol *p, struct usb_device *usb)
 {
     p->usb = usb;
@@ -29,30 +31,46 @@ void protocol_done(struct protocol *p)
     p->filled = 0;
 }
 
+static void refuse_later(struct protocol *p, enum usb_status why, uint32_t detail)
+{
+    p->state = PROTOCOL_REFUSED;
+    p->refusal = why;
+    p->refusal_detail = detail;
+    p->refusal_halts = true;
+}
+
+/* The request is complete. DATA's check goes on from the upload's content: the table store sees to it. */
+static void request_arrived(struct protocol *p)
+{
+    p->state = PROTOCOL_REQUEST;
+    if (p->request.type == USB_MSG_DATA)
+        return;
+    uint32_t check = crc32_update(0, &p->request, offsetof(struct usb_header, detail));
+    if (crc32_update(check, p->payload, p->request.length) != p->request.detail)
+        refuse_later(p, USB_ERR_DAMAGED, 0);
+}
+
 /* The header is complete: what to do with what follows. */
 static void header_arrived(struct protocol *p)
 {
     const struct usb_header *h = &p->request;
     p->filled = 0;
-    p->state = PROTOCOL_REFUSED;
-    p->refusal_halts = true;
     if (h->magic != USB_PROTOCOL_MAGIC) {
         p->request.type = 0;
         p->request.sequence = 0;
-        p->refusal = USB_ERR_MAGIC;
-        p->refusal_detail = USB_PROTOCOL_MAGIC;
+        refuse_later(p, USB_ERR_MAGIC, USB_PROTOCOL_MAGIC);
     } else if (h->version != USB_PROTOCOL_VERSION) {
-        p->refusal = USB_ERR_VERSION;
-        p->refusal_detail = USB_PROTOCOL_VERSION;
+        refuse_later(p, USB_ERR_VERSION, USB_PROTOCOL_VERSION);
     } else if (h->length > USB_MAX_PAYLOAD) {
-        p->refusal = USB_ERR_LENGTH;
-        p->refusal_detail = USB_MAX_PAYLOAD;
+        refuse_later(p, USB_ERR_LENGTH, USB_MAX_PAYLOAD);
         if (h->length <= USB_MAX_DRAIN) {
             p->refusal_halts = false;
             p->state = PROTOCOL_DRAIN;
         }
+    } else if (h->length) {
+        p->state = PROTOCOL_PAYLOAD;
     } else {
-        p->state = h->length ? PROTOCOL_PAYLOAD : PROTOCOL_REQUEST;
+        request_arrived(p);
     }
 }
 
@@ -73,8 +91,10 @@ static void packet_take(struct protocol *p)
         return;
     if (header)
         header_arrived(p);
+    else if (p->state == PROTOCOL_DRAIN)
+        p->state = PROTOCOL_REFUSED;
     else
-        p->state = p->state == PROTOCOL_DRAIN ? PROTOCOL_REFUSED : PROTOCOL_REQUEST;
+        request_arrived(p);
 }
 
 static void refuse(struct protocol *p)
@@ -95,7 +115,18 @@ void protocol_receive(struct protocol *p)
         if (p->state == PROTOCOL_REQUEST || p->state == PROTOCOL_REFUSED || p->state == PROTOCOL_HALTED)
             return;
         if (p->packet_used == p->packet_bytes) {
-            int n = usb_device_read(p->usb, p->packet, usb_device_packet(p->usb));
+            uint32_t most = (uint32_t)usb_device_packet(p->usb);
+            if (p->state == PROTOCOL_PAYLOAD &&
+                p->request.length - p->filled >= most) { /* no detour for a whole packet */
+                int n = usb_device_read(p->usb, (uint8_t *)p->payload + p->filled, most);
+                if (n < 0)
+                    return;
+                p->filled += (uint32_t)n;
+                if (p->filled == p->request.length)
+                    request_arrived(p);
+                continue;
+            }
+            int n = usb_device_read(p->usb, p->packet, most);
             if (n < 0)
                 return;
             p->packet_bytes = (uint16_t)n;

@@ -51,34 +51,98 @@ static uint32_t content_check(uint8_t kind, const uint8_t *content, uint32_t byt
     return (uint32_t)lut_open(&table, content, bytes);
 }
 
+/* --- writing --- */
+
+/* Programs words and reads them back. */
+static int words_program(struct table_store *s, uint32_t offset, const void *words, uint32_t bytes)
+{
+    const uint32_t *wanted = words, *found = (const uint32_t *)(const void *)(s->hal->flash + offset);
+    int result = s->hal->flash_program(s->hal->ctx, offset, words, bytes);
+    for (uint32_t i = 0; i < bytes / 4 && result == HAL_OK; i++)
+        if (found[i] != wanted[i])
+            result = HAL_ERROR;
+    return result;
+}
+
+/* Erases a bank's first block, its records with it, and notes the erasure. */
+static int bank_open(struct table_store *s, uint32_t slot, uint32_t bank)
+{
+    uint32_t offset = bank_offset(s, slot, bank);
+    struct table_store_erases e = {TABLE_STORE_ERASES_MAGIC, ++s->slots[slot].erases[bank], ERASED_WORD, 0};
+    e.record_crc = crc32_update(0, &e, offsetof(struct table_store_erases, record_crc));
+    int result = s->hal->flash_erase(s->hal->ctx, offset);
+    return result == HAL_OK ? words_program(s, offset + TABLE_STORE_ERASES_OFFSET, &e, sizeof e) : result;
+}
+
+static bool write_allowed(const struct table_store *s)
+{
+    return !s->hal->write_allowed || s->hal->write_allowed(s->hal->ctx);
+}
+
 /* --- what is live at start --- */
 
-static bool header_read(struct table_store_header *h, const struct table_store *s, uint32_t slot, uint32_t bank)
+enum bank_state { BANK_BLANK, BANK_TORN, BANK_FOREIGN, BANK_INTACT };
+
+static enum bank_state header_read(struct table_store_header *h, const struct table_store *s, uint32_t slot,
+                                   uint32_t bank)
 {
+    uint32_t blank = ERASED_WORD, words[sizeof *h / 4];
     __builtin_memcpy(h, s->hal->flash + bank_offset(s, slot, bank), sizeof *h);
-    return h->magic == TABLE_STORE_MAGIC && h->header_crc == header_crc(h) && h->version == TABLE_STORE_VERSION &&
-           h->slot == slot && h->kind == kind_of_slot(slot) && h->length != 0 &&
-           h->length <= table_store_capacity(s, slot);
+    __builtin_memcpy(words, h, sizeof *h);
+    for (uint32_t i = 0; i < sizeof *h / 4; i++)
+        blank &= words[i];
+    if (blank == ERASED_WORD)
+        return BANK_BLANK;
+    if (h->magic != TABLE_STORE_MAGIC || h->header_crc != header_crc(h))
+        return BANK_TORN;
+    bool ours = h->version == TABLE_STORE_VERSION && h->slot == slot && h->kind == kind_of_slot(slot) &&
+                h->length != 0 && h->length <= table_store_capacity(s, slot);
+    return ours ? BANK_INTACT : BANK_FOREIGN;
+}
+
+static void erases_read(struct table_store *s, uint32_t slot)
+{
+    uint32_t *count = s->slots[slot].erases;
+    for (uint32_t bank = 0; bank < 2; bank++) {
+        struct table_store_erases e;
+        __builtin_memcpy(&e, s->hal->flash + bank_offset(s, slot, bank) + TABLE_STORE_ERASES_OFFSET, sizeof e);
+        if (e.magic == TABLE_STORE_ERASES_MAGIC &&
+            e.record_crc == crc32_update(0, &e, offsetof(struct table_store_erases, record_crc)))
+            count[bank] = e.count;
+    }
+    for (uint32_t bank = 0; bank < 2; bank++)
+        if (count[bank] == 0 && count[1 - bank] > 0) /* lost, or never used: banks take turns */
+            count[bank] = count[1 - bank] - 1;
 }
 
 static bool bank_mount(struct table_store *s, uint32_t slot, uint8_t bank, const struct table_store_header *h)
 {
     const uint8_t *content = bank_content(s, slot, bank);
+    struct table_store_slot *live = &s->slots[slot];
     if (crc32_update(0, content, h->length) != h->crc || content_check(h->kind, content, h->length) != 0)
         return false;
-    s->slots[slot] = (struct table_store_slot){h->kind, bank, h->length, h->crc, h->sequence};
+    live->kind = h->kind;
+    live->bank = bank;
+    live->length = h->length;
+    live->crc = h->crc;
     return true;
 }
 
 static void slot_mount(struct table_store *s, uint32_t slot)
 {
     struct table_store_header h[2];
-    bool intact[2] = {header_read(&h[0], s, slot, 0), header_read(&h[1], s, slot, 1)};
+    enum bank_state state[2] = {header_read(&h[0], s, slot, 0), header_read(&h[1], s, slot, 1)};
+    bool intact[2] = {state[0] == BANK_INTACT, state[1] == BANK_INTACT};
     uint8_t newest = intact[1] && (!intact[0] || h[1].sequence - h[0].sequence < 1u << 31); /* sequences wrap */
-    if (intact[newest] && bank_mount(s, slot, newest, &h[newest]))
-        return;
-    if (intact[1 - newest])
-        bank_mount(s, slot, (uint8_t)(1 - newest), &h[1 - newest]);
+    erases_read(s, slot);
+    s->slots[slot].sequence =
+        intact[newest] ? h[newest].sequence : 0; /* later ones supersede it even if it does not open */
+    if (!intact[newest] || !bank_mount(s, slot, newest, &h[newest]))
+        if (intact[1 - newest])
+            bank_mount(s, slot, (uint8_t)(1 - newest), &h[1 - newest]);
+    for (uint32_t bank = 0; bank < 2; bank++)
+        if (state[bank] == BANK_TORN && write_allowed(s) && bank_open(s, slot, bank) == HAL_OK)
+            s->scrubbed++;
 }
 
 bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes)
@@ -137,7 +201,7 @@ struct table_store_result table_store_begin(struct table_store *s, const struct 
         return (struct table_store_result){USB_ERR_VALUE, 0};
     if (b->length > table_store_capacity(s, b->slot))
         return (struct table_store_result){USB_ERR_TOO_LARGE, table_store_capacity(s, b->slot)};
-    if (s->hal->write_allowed && !s->hal->write_allowed(s->hal->ctx))
+    if (!write_allowed(s))
         return (struct table_store_result){USB_ERR_FORBIDDEN, 0};
     const struct table_store_slot *live = &s->slots[b->slot];
     struct table_store_upload *u = &s->upload;
@@ -147,36 +211,46 @@ struct table_store_result table_store_begin(struct table_store *s, const struct 
     u->bank = live->kind != USB_SLOT_EMPTY && live->bank == 0;
     u->length = b->length;
     u->crc = b->crc;
-    u->received = u->erased = u->checked = u->check_crc = 0;
-    int result = bank_erase(s, TABLE_STORE_DATA_OFFSET);
+    u->received = u->found = 0;
+    u->erased = s->hal->flash_block_bytes;
+    int result = bank_open(s, u->slot, u->bank);
     return result == HAL_OK ? done : flash_failed(s, result);
 }
 
-/* Programs the collected chunk: the last `bytes` of what was received. */
-static int chunk_program(struct table_store *s, uint32_t bytes)
+/* Programs `bytes` of content, a multiple of 4, at `at`. */
+static int content_program(struct table_store *s, uint32_t at, const void *words, uint32_t bytes)
 {
-    struct table_store_upload *u = &s->upload;
-    uint32_t at = TABLE_STORE_DATA_OFFSET + u->received - bytes, padded = (bytes + 3) & ~3u;
-    __builtin_memset((uint8_t *)u->chunk + bytes, 0xff, padded - bytes);
-    int result = bank_erase(s, at + padded);
+    int result = bank_erase(s, TABLE_STORE_DATA_OFFSET + at + bytes);
     if (result != HAL_OK)
         return result;
-    return s->hal->flash_program(s->hal->ctx, bank_offset(s, u->slot, u->bank) + at, u->chunk, padded);
+    return words_program(s, bank_offset(s, s->upload.slot, s->upload.bank) + TABLE_STORE_DATA_OFFSET + at, words,
+                         bytes);
 }
 
-struct table_store_result table_store_write(struct table_store *s, const uint8_t *data, uint32_t bytes)
+struct table_store_result table_store_write(struct table_store *s, const void *data, uint32_t bytes, uint32_t check)
 {
     struct table_store_upload *u = &s->upload;
+    const uint8_t *p = data;
+    uint32_t found = crc32_update(u->found, data, bytes);
+    if (found != check)
+        return (struct table_store_result){USB_ERR_DAMAGED, u->received};
+    u->found = found;
     while (bytes) {
-        uint32_t have = u->received % TABLE_STORE_CHUNK, n = TABLE_STORE_CHUNK - have;
+        uint32_t have = u->received % TABLE_STORE_CHUNK, n = TABLE_STORE_CHUNK - have, at = u->received - have;
+        const void *chunk = u->chunk;
         if (n > bytes)
             n = bytes;
-        __builtin_memcpy((uint8_t *)u->chunk + have, data, n);
+        if (n == TABLE_STORE_CHUNK && (uintptr_t)p % 4 == 0)
+            chunk = p;
+        else
+            __builtin_memcpy((uint8_t *)u->chunk + have, p, n);
         u->received += n;
-        data += n;
+        p += n;
         bytes -= n;
         if (have + n == TABLE_STORE_CHUNK || u->received == u->length) {
-            int result = chunk_program(s, have + n);
+            uint32_t padding = -(have + n) & 3;
+            __builtin_memset((uint8_t *)u->chunk + (have + n) % TABLE_STORE_CHUNK, 0xff, padding);
+            int result = content_program(s, at, chunk, have + n + padding);
             if (result != HAL_OK)
                 return flash_failed(s, result);
         }
@@ -184,23 +258,13 @@ struct table_store_result table_store_write(struct table_store *s, const uint8_t
     return (struct table_store_result){USB_OK, u->received};
 }
 
-bool table_store_check(struct table_store *s, uint32_t bytes)
-{
-    struct table_store_upload *u = &s->upload;
-    if (bytes > u->length - u->checked)
-        bytes = u->length - u->checked;
-    u->check_crc = crc32_update(u->check_crc, bank_content(s, u->slot, u->bank) + u->checked, bytes);
-    u->checked += bytes;
-    return u->checked == u->length;
-}
-
 struct table_store_result table_store_commit(struct table_store *s)
 {
     struct table_store_upload *u = &s->upload;
     struct table_store_slot *live = &s->slots[u->slot];
     u->open = false;
-    if (u->check_crc != u->crc)
-        return (struct table_store_result){USB_ERR_CRC, u->check_crc};
+    if (u->found != u->crc)
+        return (struct table_store_result){USB_ERR_CRC, u->found};
     uint32_t refused = content_check(u->kind, bank_content(s, u->slot, u->bank), u->length);
     if (refused)
         return (struct table_store_result){USB_ERR_CONTENT, refused};
@@ -211,17 +275,18 @@ struct table_store_result table_store_commit(struct table_store *s)
         .kind = u->kind,
         .length = u->length,
         .crc = u->crc,
-        .sequence = live->kind == USB_SLOT_EMPTY ? 1 : live->sequence + 1,
+        .sequence = live->sequence + 1,
         .reserved = {ERASED_WORD, ERASED_WORD},
     };
     h.header_crc = header_crc(&h);
-    uint32_t offset = bank_offset(s, u->slot, u->bank);
-    int result = s->hal->flash_program(s->hal->ctx, offset, &h, sizeof h);
-    if (result == HAL_OK && __builtin_memcmp(s->hal->flash + offset, &h, sizeof h) != 0)
-        result = HAL_ERROR;
+    int result = words_program(s, bank_offset(s, u->slot, u->bank), &h, sizeof h);
     if (result != HAL_OK)
         return flash_failed(s, result);
-    *live = (struct table_store_slot){u->kind, u->bank, u->length, u->crc, h.sequence};
+    live->kind = u->kind;
+    live->bank = u->bank;
+    live->length = u->length;
+    live->crc = u->crc;
+    live->sequence = h.sequence;
     return done;
 }
 

@@ -3,9 +3,12 @@
  *
  * Purpose   an upload goes to the slot's spare bank and becomes live by one record, the bank header, which is
  *           programmed last: before it the old content is live, after it the new one, never a mixture.
- * Bank      a 256-byte page with the header, then the content from offset TABLE_STORE_DATA_OFFSET.
- * Start     of the banks whose header, data CRC and content are intact, the one with the highest sequence is
- * live.
+ * Bank      a 256-byte page with two records, each programmed once: the header, and the count of erasures, which comes
+ *           right after the page's erasure. Then the content from offset TABLE_STORE_DATA_OFFSET.
+ * Start     of the banks whose header, data CRC and content are intact, the one with the highest sequence is live. A header
+ *           that a power cut left torn is erased (scrubbed), since what reads as torn today may read as whole tomorrow.
+ * Checks    every message of an upload against the CRC of the content so far before anything is programmed; every word
+ *           programmed is read back.
  */
 #ifndef FIRMWARE_TABLE_STORE_H
 #define FIRMWARE_TABLE_STORE_H
@@ -18,37 +21,49 @@
 #define TABLE_STORE_DATA_OFFSET 256u
 #define TABLE_STORE_CHUNK       256u /* programmed at once */
 
+#define TABLE_STORE_ERASES_MAGIC  0x52455447u /* "GTER" */
+#define TABLE_STORE_ERASES_OFFSET 32u
+
 struct table_store_header { /* at the start of a bank, little-endian */
     uint32_t magic;
     uint16_t version;
     uint8_t slot, kind;   /* kind: enum usb_slot_kind */
     uint32_t length, crc; /* of the content */
-    uint32_t sequence;    /* 1 + that of the bank it replaces */
+    uint32_t sequence;    /* 1 + the latest in the slot's headers */
     uint32_t reserved[2]; /* 0xffffffff: left erased */
     uint32_t header_crc;  /* CRC-32 of the 28 bytes before */
 };
 _Static_assert(sizeof(struct table_store_header) == 32, "layout");
 
+struct table_store_erases { /* at TABLE_STORE_ERASES_OFFSET */
+    uint32_t magic;
+    uint32_t count;      /* erasures of the bank's first block, this one included */
+    uint32_t reserved;   /* 0xffffffff */
+    uint32_t record_crc; /* CRC-32 of the 12 bytes before */
+};
+
 struct table_store_slot {
     uint8_t kind; /* enum usb_slot_kind; EMPTY: nothing is live */
     uint8_t bank; /* 0 or 1: the live one */
-    uint32_t length, crc, sequence;
+    uint32_t length, crc;
+    uint32_t sequence;  /* the latest in the slot's headers, 0 without */
+    uint32_t erases[2]; /* of each bank; where the record is lost, one less than the other bank's */
 };
 
 struct table_store_upload {
     bool open;
     uint8_t slot, kind, bank;
     uint32_t length, crc;
-    uint32_t received; /* bytes taken */
-    uint32_t erased;   /* bytes of the bank erased, from its start */
-    uint32_t checked;  /* bytes read back */
-    uint32_t check_crc;
+    uint32_t received;                     /* bytes taken and checked */
+    uint32_t found;                        /* CRC-32 of these */
+    uint32_t erased;                       /* bytes of the bank erased, from its start */
     uint32_t chunk[TABLE_STORE_CHUNK / 4]; /* bytes received and not yet programmed */
 };
 
 struct table_store {
     const struct hal *hal;
     uint32_t scene_bank_bytes, table_bank_bytes;
+    uint32_t scrubbed; /* banks, at start */
     uint8_t slot_count;
     struct table_store_slot slots[USB_MAX_SLOTS];
     struct table_store_upload upload;
@@ -60,7 +75,8 @@ struct table_store_result {
     uint32_t detail;
 };
 
-/* Lays the banks out (slot 0's two, then the others', equal, whole blocks) and finds what is live. In:
+/* Lays the banks out (slot 0's two, then the others', equal, whole blocks), finds what is live and scrubs torn banks where writing
+ * is allowed. In:
  * slot_count 2..USB_MAX_SLOTS; scene_bank_bytes of each of slot 0's banks, 0 = as large as the others. False
  * when the flash is too small. */
 bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes);
@@ -76,14 +92,12 @@ const uint8_t *table_store_content(const struct table_store *s, uint32_t slot, u
  * gone. Nobody may still be reading the spare bank. */
 struct table_store_result table_store_begin(struct table_store *s, const struct usb_begin *begin);
 
-/* Takes bytes of the open upload; the caller has checked offset and length. Erases block by block as the data
+/* Takes bytes of the open upload when `check` is the CRC-32 of the content up to their end; USB_ERR_DAMAGED: nothing
+ * changed, detail = bytes received before. The caller has checked offset and length. Erases block by block as the data
  * arrives. Drops the upload when the flash fails. */
-struct table_store_result table_store_write(struct table_store *s, const uint8_t *data, uint32_t bytes);
+struct table_store_result table_store_write(struct table_store *s, const void *data, uint32_t bytes, uint32_t check);
 
-/* Reads back at most `bytes` bytes of a complete upload into the CRC. True when all are done. */
-bool table_store_check(struct table_store *s, uint32_t bytes);
-
-/* Ends a checked upload: CRC and content right, programs the header and switches the slot; else drops the
+/* Ends a complete upload: CRC and content right, programs the header and switches the slot; else drops the
  * upload. */
 struct table_store_result table_store_commit(struct table_store *s);
 

@@ -20,37 +20,30 @@ enum {
     DESCRIPTOR_STRING = 3,
     DESCRIPTOR_QUALIFIER = 6,
     DESCRIPTOR_OTHER_SPEED = 7,
+    DESCRIPTOR_BOS = 15,
+    DESCRIPTOR_CAPABILITY = 16,
 };
-enum { TO_DEVICE = 0x00, TO_INTERFACE = 0x01, TO_ENDPOINT = 0x02, FROM_DEVICE = 0x80 };
+enum { TO_DEVICE = 0x00, TO_INTERFACE = 0x01, TO_ENDPOINT = 0x02, VENDOR = 0x40, FROM_DEVICE = 0x80 };
 enum { FEATURE_ENDPOINT_HALT = 0, CONFIGURATION_VALUE = 1, MAX_ADDRESS = 127 };
 enum { STRING_LANGUAGE = 0, STRING_MANUFACTURER = 1, STRING_PRODUCT = 2, STRING_SERIAL = 3 };
 
 #define DEVICE_RELEASE 0x0010u /* bcdDevice 0.10 */
 
+/* The vendor request that fetches the Microsoft OS 2.0 descriptor set; wIndex says which of its kinds. */
+enum { MICROSOFT_REQUEST = 0x20, MICROSOFT_SET_INDEX = 7 };
+
+// clang-format off
+/* USB 2.01: 2.0 with a BOS; the class is told per interface. */
 static const uint8_t device_descriptor[18] = {
-    18,
-    DESCRIPTOR_DEVICE,
-    0x00,
-    0x02, /* USB 2.0 */
-    0,
-    0,
-    0,
-    USB_CONTROL_PACKET, /* class per interface */
-    USB_VENDOR_ID & 0xff,
-    USB_VENDOR_ID >> 8,
-    USB_PRODUCT_ID & 0xff,
-    USB_PRODUCT_ID >> 8,
-    DEVICE_RELEASE & 0xff,
-    DEVICE_RELEASE >> 8,
-    STRING_MANUFACTURER,
-    STRING_PRODUCT,
-    STRING_SERIAL,
-    1, /* configurations */
+    18, DESCRIPTOR_DEVICE, 0x01, 0x02, 0, 0, 0, USB_CONTROL_PACKET,
+    USB_VENDOR_ID & 0xff, USB_VENDOR_ID >> 8, USB_PRODUCT_ID & 0xff, USB_PRODUCT_ID >> 8,
+    DEVICE_RELEASE & 0xff, DEVICE_RELEASE >> 8, STRING_MANUFACTURER, STRING_PRODUCT, STRING_SERIAL, 1,
 };
+// clang-format on
 
 /* Answered only by a controller at high speed: it says what the device is at full speed. */
 static const uint8_t qualifier_descriptor[10] = {
-    10, DESCRIPTOR_QUALIFIER, 0x00, 0x02, 0, 0, 0, USB_CONTROL_PACKET, 1, 0,
+    10, DESCRIPTOR_QUALIFIER, 0x01, 0x02, 0, 0, 0, USB_CONTROL_PACKET, 1, 0,
 };
 
 #define CONFIGURATION_BYTES 32u
@@ -68,6 +61,37 @@ static const uint8_t high_speed_configuration[CONFIGURATION_BYTES] =
     CONFIGURATION(DESCRIPTOR_CONFIGURATION, USB_HIGH_SPEED_BULK);
 static const uint8_t other_speed_configuration[CONFIGURATION_BYTES] =
     CONFIGURATION(DESCRIPTOR_OTHER_SPEED, USB_FULL_SPEED_BULK);
+
+/* Microsoft OS 2.0 descriptor set (Microsoft's specification of that name, tables 10 to 15): Windows 8.1 and later bind
+ * WinUSB without a driver file and give the interface a GUID that programs find it by. */
+static const struct {
+    uint16_t length, type, windows[2], total;
+    uint16_t id_length, id_type;
+    uint8_t id[16];
+    uint16_t property_length, property_type, value_type, name_length, name[21], value_length, value[40];
+} microsoft_set = {.length = 10,
+                   .windows = {0x0000, 0x0603},
+                   .total = sizeof microsoft_set,
+                   .id_length = 20,
+                   .id_type = 3,
+                   .id = "WINUSB",
+                   .property_length = 132,
+                   .property_type = 4,
+                   .value_type = 7, /* several strings */
+                   .name_length = sizeof microsoft_set.name,
+                   .name = u"DeviceInterfaceGUIDs",
+                   .value_length = sizeof microsoft_set.value,
+                   .value = u"{6D3B1F6E-52C4-4F0B-9E0B-5C1A7E2D9A41}"};
+_Static_assert(sizeof microsoft_set == 162, "layout");
+
+// clang-format off
+/* One capability: that of the platform D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, Microsoft's descriptors. */
+static const uint8_t bos_descriptor[33] = {
+    5, DESCRIPTOR_BOS, 33, 0, 1,
+    28, DESCRIPTOR_CAPABILITY, 5, 0, 0xdf, 0x60, 0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c, 0x9c, 0xd2, 0x65, 0x9d, 0x9e, 0x64, 0x8a, 0x9f,
+    0x00, 0x00, 0x03, 0x06, sizeof microsoft_set, 0, MICROSOFT_REQUEST, 0,
+};
+// clang-format on
 
 struct setup {
     uint8_t type, request;
@@ -112,11 +136,11 @@ void usb_device_halt_out(struct usb_device *d)
     endpoint_halt(d, USB_ENDPOINT_OUT, true);
 }
 
-/* Both bulk endpoints start anew: open, no halt, data toggles zero. */
-static unsigned endpoints_start(struct usb_device *d)
+/* Both bulk endpoints start anew: open, no halt, data toggles zero; or they are stalled, as the device is not configured. */
+static unsigned endpoints_start(struct usb_device *d, bool open)
 {
-    endpoint_halt(d, USB_ENDPOINT_OUT, false);
-    endpoint_halt(d, USB_ENDPOINT_IN, false);
+    endpoint_halt(d, USB_ENDPOINT_OUT, !open);
+    endpoint_halt(d, USB_ENDPOINT_IN, !open);
     return USB_CLEARED_OUT | USB_CLEARED_IN;
 }
 
@@ -124,11 +148,16 @@ static unsigned endpoints_start(struct usb_device *d)
 
 static bool answer(struct usb_device *d, const void *data, uint16_t bytes)
 {
-    const uint8_t *from = data;
-    for (uint16_t i = 0; i < bytes; i++) /* bytes <= sizeof d->data: the longest is a string of 31 characters */
-        d->data[i] = from[i];
+    d->data = data;
     d->data_bytes = bytes;
     return true;
+}
+
+static bool answer_number(struct usb_device *d, uint8_t number, uint16_t bytes)
+{
+    d->built[0] = number;
+    d->built[1] = 0;
+    return answer(d, d->built, bytes);
 }
 
 static bool answer_string(struct usb_device *d, unsigned index)
@@ -141,14 +170,13 @@ static bool answer_string(struct usb_device *d, unsigned index)
         return false;
     const char *text = index == STRING_SERIAL ? d->serial : names[index];
     uint8_t n = 2;
-    for (; *text && n < sizeof d->data; text++) { /* UTF-16 of ASCII */
-        d->data[n++] = (uint8_t)*text;
-        d->data[n++] = 0;
+    for (; *text && n < sizeof d->built; text++) { /* UTF-16 of ASCII */
+        d->built[n++] = (uint8_t)*text;
+        d->built[n++] = 0;
     }
-    d->data[0] = n;
-    d->data[1] = DESCRIPTOR_STRING;
-    d->data_bytes = n;
-    return true;
+    d->built[0] = n;
+    d->built[1] = DESCRIPTOR_STRING;
+    return answer(d, d->built, n);
 }
 
 static bool answer_descriptor(struct usb_device *d, const struct setup *s)
@@ -168,6 +196,8 @@ static bool answer_descriptor(struct usb_device *d, const struct setup *s)
         return high && answer(d, qualifier_descriptor, sizeof qualifier_descriptor);
     case DESCRIPTOR_OTHER_SPEED:
         return high && answer(d, other_speed_configuration, CONFIGURATION_BYTES);
+    case DESCRIPTOR_BOS:
+        return answer(d, bos_descriptor, sizeof bos_descriptor);
     default:
         return false;
     }
@@ -180,45 +210,38 @@ static bool is_bulk(uint16_t endpoint)
 
 static bool answer_status(struct usb_device *d, const struct setup *s)
 {
-    uint8_t status[2] = {0, 0}; /* bus powered, no remote wake-up */
     bool configured = d->state == USB_STATE_CONFIGURED;
     if (s->value != 0 || s->length != 2 || d->state == USB_STATE_DEFAULT)
         return false;
     switch (s->type & 0x1f) {
-    case TO_DEVICE:
-        return s->index == 0 && answer(d, status, 2);
+    case TO_DEVICE: /* bus powered, no remote wake-up */
+        return s->index == 0 && answer_number(d, 0, 2);
     case TO_INTERFACE:
-        return configured && s->index == 0 && answer(d, status, 2);
+        return configured && s->index == 0 && answer_number(d, 0, 2);
     case TO_ENDPOINT:
         if (s->index == 0x00 || s->index == 0x80)
-            return answer(d, status, 2);
-        if (!configured || !is_bulk(s->index))
-            return false;
-        status[0] = s->index == USB_ENDPOINT_OUT ? d->halted_out : d->halted_in;
-        return answer(d, status, 2);
+            return answer_number(d, 0, 2);
+        return configured && is_bulk(s->index) &&
+               answer_number(d, s->index == USB_ENDPOINT_OUT ? d->halted_out : d->halted_in, 2);
     default:
         return false;
     }
 }
 
-/* Fills d->data; false: stall. */
+/* Prepares the data; false: stall. */
 static bool control_read(struct usb_device *d, const struct setup *s)
 {
-    uint8_t value;
-    if (s->request == GET_STATUS)
+    bool configured = d->state == USB_STATE_CONFIGURED, plain = s->value == 0 && s->index == 0 && s->length == 1;
+    if (s->type == (FROM_DEVICE | VENDOR | TO_DEVICE) && s->request == MICROSOFT_REQUEST)
+        return s->value == 0 && s->index == MICROSOFT_SET_INDEX && answer(d, &microsoft_set, sizeof microsoft_set);
+    if (s->request == GET_STATUS && !(s->type & 0x60))
         return answer_status(d, s);
     if (s->type == (FROM_DEVICE | TO_DEVICE) && s->request == GET_DESCRIPTOR)
         return answer_descriptor(d, s);
-    if (s->type == (FROM_DEVICE | TO_DEVICE) && s->request == GET_CONFIGURATION) {
-        value = d->state == USB_STATE_CONFIGURED ? CONFIGURATION_VALUE : 0;
-        return d->state != USB_STATE_DEFAULT && s->value == 0 && s->index == 0 && s->length == 1 &&
-               answer(d, &value, 1);
-    }
-    if (s->type == (FROM_DEVICE | TO_INTERFACE) && s->request == GET_INTERFACE) {
-        value = 0;
-        return d->state == USB_STATE_CONFIGURED && s->value == 0 && s->index == 0 && s->length == 1 &&
-               answer(d, &value, 1);
-    }
+    if (s->type == (FROM_DEVICE | TO_DEVICE) && s->request == GET_CONFIGURATION)
+        return plain && d->state != USB_STATE_DEFAULT && answer_number(d, configured ? CONFIGURATION_VALUE : 0, 1);
+    if (s->type == (FROM_DEVICE | TO_INTERFACE) && s->request == GET_INTERFACE)
+        return plain && configured && answer_number(d, 0, 1);
     return false;
 }
 
@@ -230,7 +253,6 @@ static bool set_address(struct usb_device *d, const struct setup *s)
         return false;
     d->new_address = (uint8_t)s->value;
     d->has_new_address = true;
-    d->state = s->value ? USB_STATE_ADDRESS : USB_STATE_DEFAULT;
     return true;
 }
 
@@ -239,7 +261,7 @@ static bool set_configuration(struct usb_device *d, const struct setup *s, unsig
     if (d->state == USB_STATE_DEFAULT || s->value > CONFIGURATION_VALUE || s->index != 0)
         return false;
     d->state = s->value == CONFIGURATION_VALUE ? USB_STATE_CONFIGURED : USB_STATE_ADDRESS;
-    *cleared |= endpoints_start(d);
+    *cleared |= endpoints_start(d, d->state == USB_STATE_CONFIGURED);
     return true;
 }
 
@@ -266,7 +288,7 @@ static bool control_order(struct usb_device *d, const struct setup *s, unsigned 
     if (s->type == TO_INTERFACE && s->request == SET_INTERFACE) {
         if (d->state != USB_STATE_CONFIGURED || s->value != 0 || s->index != 0)
             return false;
-        *cleared |= endpoints_start(d);
+        *cleared |= endpoints_start(d, true);
         return true;
     }
     return false; /* remote wake-up and test modes are not supported */
@@ -278,21 +300,16 @@ static void setup_arrived(struct usb_device *d, const uint8_t p[8], unsigned *cl
 {
     struct setup s = {p[0], p[1], (uint16_t)(p[2] | p[3] << 8), (uint16_t)(p[4] | p[5] << 8),
                       (uint16_t)(p[6] | p[7] << 8)};
-    bool ok;
+    bool read = s.type & FROM_DEVICE, ok;
     d->has_new_address = false; /* an unfinished SET_ADDRESS is void */
     d->data_sent = 0;
-    if (s.type & FROM_DEVICE && s.length != 0) {
-        ok = control_read(d, &s);
-        if (ok) {
-            d->zero_packet = d->data_bytes < s.length && d->data_bytes % USB_CONTROL_PACKET == 0;
-            if (d->data_bytes > s.length)
-                d->data_bytes = s.length;
-            d->stage = USB_STAGE_DATA_IN;
-        }
-    } else {
-        ok = !(s.type & FROM_DEVICE) && control_order(d, &s, cleared);
-        d->stage = USB_STAGE_STATUS_IN;
+    ok = read ? control_read(d, &s) : control_order(d, &s, cleared);
+    if (read && ok) {
+        d->zero_packet = d->data_bytes < s.length && d->data_bytes % USB_CONTROL_PACKET == 0;
+        if (d->data_bytes > s.length)
+            d->data_bytes = s.length;
     }
+    d->stage = read && s.length != 0 ? USB_STAGE_DATA_IN : USB_STAGE_STATUS_IN; /* no length, no data stage (9.3.5) */
     if (!ok) {
         d->stage = USB_STAGE_IDLE;
         d->hal->usb_stall(d->hal->ctx, 0x00, true);
@@ -325,9 +342,11 @@ static void control_step(struct usb_device *d)
         if (d->hal->usb_read(d->hal->ctx, 0x00, packet, sizeof packet) >= 0)
             d->stage = USB_STAGE_IDLE;
     }
-    if (d->stage == USB_STAGE_STATUS_IN && d->hal->usb_write(d->hal->ctx, 0x80, d->data, 0) == HAL_OK) {
-        if (d->has_new_address)
+    if (d->stage == USB_STAGE_STATUS_IN && d->hal->usb_write(d->hal->ctx, 0x80, d->built, 0) == HAL_OK) {
+        if (d->has_new_address) { /* the one request that acts after its status stage (9.4.6) */
             d->hal->usb_set_address(d->hal->ctx, d->new_address);
+            d->state = d->new_address ? USB_STATE_ADDRESS : USB_STATE_DEFAULT;
+        }
         d->has_new_address = false;
         d->stage = USB_STAGE_IDLE;
     }

@@ -2,8 +2,9 @@
  * USB device core (USB 2.0, chapter 9) for one vendor interface with a bulk OUT and a bulk IN endpoint.
  *
  * Purpose   answers endpoint 0 and keeps the device state; the protocol runs on the bulk endpoints.
- * Limits    one configuration, one alternate setting, no remote wake-up; class and vendor requests are
- * stalled. Errors    a request that is unknown, or not allowed in the device's state, stalls endpoint 0.
+ * Limits    one configuration, one alternate setting, no remote wake-up, no test modes (they need the controller); class
+ *           requests are stalled, and vendor requests but the one for the Microsoft OS 2.0 descriptors.
+ * Errors    a request that is unknown, or not allowed in the device's state, stalls endpoint 0.
  */
 #ifndef FIRMWARE_USB_DEVICE_H
 #define FIRMWARE_USB_DEVICE_H
@@ -32,7 +33,8 @@ struct usb_device {
     bool has_new_address;
     bool zero_packet; /* the data stage ends with a zero-length packet */
     uint16_t data_bytes, data_sent;
-    uint8_t data[64]; /* of the IN data stage: the longest descriptor is a string of 31 characters */
+    const uint8_t *data; /* of the IN data stage: a constant, or */
+    uint8_t built[64];   /* what is put together: the longest is a string of 31 characters */
 };
 
 /* `serial`: ASCII, 1 to USB_MAX_SERIAL_CHARS characters, must outlive the device. */

@@ -1,5 +1,5 @@
 /*
- * Protocol version 1 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md,
+ * Protocol version 2 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md,
  * "Protocol").
  *
  * The host sends requests: a 16-byte header and `length` payload bytes. The device answers each request with
@@ -7,15 +7,18 @@
  * and a last one with USB_TILE_LAST set (or by a single reply without payload when it is refused).
  * Little-endian.
  *
+ * Check: `detail` of a request is a CRC-32, so that what arrives damaged does nothing. Of DATA: over the upload's content from its start to
+ * the end of this message. Of all others: over the header's first 12 bytes and the payload.
+ *
  * Packets: requests form a byte stream (they may span packets and share them; zero-length packets are
  * ignored). Each reply starts in a new packet and ends with a short one, zero-length when its bytes are a
  * multiple of the packet size, so that a host's read of any multiple of the packet size ends with the reply.
  *
  * Order: one request is served at a time; further ones wait in the endpoint, also while a frame is streamed.
  * What changes the picture (COMMIT, SELECT, SET, RESET), FRAME and STATS take effect between two frames; INFO,
- * BEGIN, DATA and ABORT at once.
+ * BEGIN, DATA, ABORT and VERIFY at once.
  *
- * Recovery: a header with wrong magic or version, or a length above USB_MAX_DRAIN, is answered, then the OUT
+ * Recovery: a header with wrong magic or version, a length above USB_MAX_DRAIN or a wrong check (but DATA's) is answered, then the OUT
  * endpoint stalls. Clearing the halt of the OUT endpoint drops a half-received request; clearing the halt of
  * the IN endpoint drops pending replies, the request in hand and the frame being streamed; a host does
  * both, OUT first, when it opens the device. SET_CONFIGURATION, SET_INTERFACE and a bus reset do the same for both. None of these touches an
@@ -26,7 +29,7 @@
 
 #include <stdint.h>
 
-#define USB_PROTOCOL_VERSION 1u
+#define USB_PROTOCOL_VERSION 2u
 #define USB_PROTOCOL_MAGIC   0x5447u /* "GT" */
 
 #define USB_VENDOR_ID       0x1209u /* pid.codes test id: for development only, not for shipping */
@@ -40,15 +43,16 @@ enum usb_message {
     USB_MSG_BEGIN,    /* usb_begin -> nothing; opens an upload to a slot's spare bank */
     USB_MSG_DATA,     /* usb_data + 1..USB_MAX_DATA bytes -> nothing, detail = bytes received; offsets ascend
                          without gap */
-    USB_MSG_COMMIT,   /* -> nothing; checks length, CRC-32 and content, then makes the upload live; a new scene
+    USB_MSG_COMMIT, /* -> nothing; checks length, CRC-32 and content, then makes the upload live (one flash record); a new scene
                        forgets select and set; an upload that fails the CRC or content check is dropped */
-    USB_MSG_ABORT,    /* -> nothing; drops the upload */
-    USB_MSG_SELECT,   /* usb_select -> nothing; material to table slot */
-    USB_MSG_SET,      /* usb_set + value -> nothing */
-    USB_MSG_FRAME,    /* -> one reply per tile: usb_tile + pixels, row-major tiles; then one with USB_TILE_LAST
+    USB_MSG_ABORT,  /* -> nothing; drops the upload */
+    USB_MSG_SELECT, /* usb_select -> nothing; material to table slot */
+    USB_MSG_SET,    /* usb_set + value -> nothing */
+    USB_MSG_FRAME,  /* -> one reply per tile: usb_tile + pixels, row-major tiles; then one with USB_TILE_LAST
                      */
-    USB_MSG_STATS,    /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
-    USB_MSG_RESET,    /* -> nothing; forgets select and set, drops an upload; flash stays */
+    USB_MSG_STATS,  /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
+    USB_MSG_RESET,  /* -> nothing; forgets select and set, drops an upload; flash stays */
+    USB_MSG_VERIFY, /* usb_verify -> nothing, detail = CRC-32 of the slot's live content, read from flash now */
 };
 
 #define USB_REPLY 0x80u /* set in the type of a reply */
@@ -59,7 +63,7 @@ enum usb_status {
     USB_ERR_VERSION,    /* protocol version not served: detail = the one that is; the OUT endpoint stalls */
     USB_ERR_TYPE,       /* unknown message */
     USB_ERR_LENGTH,     /* payload length does not fit the message: detail = the largest that would */
-    USB_ERR_STATE,      /* data/commit without begin; select/set/frame without scene */
+    USB_ERR_STATE,      /* data/commit without begin; select/set/frame without scene; verify of an empty slot */
     USB_ERR_SLOT,       /* no such slot */
     USB_ERR_TOO_LARGE,  /* upload longer than the slot's bank: detail = bank bytes */
     USB_ERR_OFFSET,     /* data not at the expected offset: detail = expected offset */
@@ -72,6 +76,7 @@ enum usb_status {
     USB_ERR_RENDER,     /* frame refused: detail = enum raster_status */
     USB_ERR_TABLE,      /* frame refused: a measured material's slot is empty: detail = material index */
     USB_ERR_MEMORY,     /* frame refused: arena too small: detail = bytes needed */
+    USB_ERR_DAMAGED, /* the check differs: nothing was done; of DATA detail = expected offset, else the OUT endpoint stalls */
     USB_STATUS_COUNT
 };
 
@@ -82,7 +87,7 @@ struct usb_header {    /* both directions */
     uint16_t sequence; /* chosen by the host, returned in the reply */
     uint16_t status;   /* 0 in requests; enum usb_status in replies */
     uint32_t length;   /* payload bytes that follow */
-    uint32_t detail;   /* 0 in requests; see enum usb_status */
+    uint32_t detail;   /* the check of requests; see enum usb_status */
 };
 
 enum usb_slot_kind { USB_SLOT_EMPTY = 0, USB_SLOT_TABLE = 1, USB_SLOT_SCENE = 2 };
@@ -95,6 +100,7 @@ struct usb_slot_info {
     uint32_t bytes; /* of the live content */
     uint32_t crc;
     uint32_t bank_bytes; /* largest upload */
+    uint32_t erases[2];  /* of the two banks, as far as known: a power cut may lose one */
 };
 
 struct usb_info {
@@ -108,10 +114,13 @@ struct usb_info {
     uint16_t light_count;
     uint32_t triangle_count; /* of the live scene, finest levels */
     uint32_t arena_bytes;
-    uint32_t upload_slot;                      /* of the open upload, or USB_NO_UPLOAD and the next three 0 */
+    uint32_t flash_bytes, flash_block_bytes;   /* of all banks; erase unit */
+    uint32_t scrubbed;                         /* banks that a power cut had left torn, erased at the last start */
+    uint32_t upload_slot;                      /* of the open upload, or USB_NO_UPLOAD and the next four 0 */
     uint32_t upload_length;                    /* as BEGIN said */
     uint32_t upload_crc;                       /* as BEGIN said */
-    uint32_t upload_received;                  /* next offset expected */
+    uint32_t upload_received;                  /* bytes that came and were checked: the next offset expected */
+    uint32_t upload_found;                     /* CRC-32 of these: a host that goes on compares it with its own */
     struct usb_slot_info slots[USB_MAX_SLOTS]; /* slot_count are meaningful */
 };
 
@@ -133,6 +142,10 @@ struct usb_data {
 struct usb_select {
     uint16_t material;
     uint16_t table; /* table slot 0..15 */
+};
+
+struct usb_verify {
+    uint32_t slot; /* < slot_count */
 };
 
 enum usb_setting {
@@ -172,8 +185,8 @@ struct usb_stats {               /* of the last complete frame; totals over its 
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "structures are copied to and from the bus as they are");
 _Static_assert(sizeof(struct usb_header) == 16, "layout");
-_Static_assert(sizeof(struct usb_slot_info) == 16, "layout");
-_Static_assert(sizeof(struct usb_info) == 60 + 16 * USB_MAX_SLOTS, "layout");
+_Static_assert(sizeof(struct usb_slot_info) == 24, "layout");
+_Static_assert(sizeof(struct usb_info) == 76 + 24 * USB_MAX_SLOTS, "layout");
 _Static_assert(sizeof(struct usb_tile) == 12, "layout");
 _Static_assert(sizeof(struct usb_tile_stats) == 24, "layout");
 _Static_assert(sizeof(struct usb_stats) == 48, "layout");

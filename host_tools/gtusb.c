@@ -14,6 +14,7 @@ static const struct {
     {"list", "the devices there are", command_list},
     {"info", "what a device is and holds", command_info},
     {"push", "send a scene or a table", command_push},
+    {"verify", "compare a slot with a file", command_verify},
     {"select", "give a material another table", command_select},
     {"set", "camera, light, output or model", command_set},
     {"frame", "render a frame and fetch it as PNG", command_frame},
@@ -27,7 +28,8 @@ static void help(FILE *to)
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].purpose);
     fputs("\n'gtusb COMMAND --help' explains one. Exit codes: 0 ok, 2 usage, 3 file, 4 bad input file, 5 no device,\n"
-          "6 several devices, 7 permission, 8 USB transfer, 9 refused by the device, 130 interrupted.\n",
+          "6 several devices, 7 permission, 8 USB transfer, 9 refused by the device, 10 contents differ, 130 "
+          "interrupted.\n",
           to);
 }
 

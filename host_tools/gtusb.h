@@ -29,6 +29,7 @@ void command_list(int argc, char **argv);
 void command_info(int argc, char **argv);
 void command_stats(int argc, char **argv);
 void command_push(int argc, char **argv);
+void command_verify(int argc, char **argv);
 void command_select(int argc, char **argv);
 void command_set(int argc, char **argv);
 void command_frame(int argc, char **argv);

@@ -65,7 +65,7 @@ void command_frame(int argc, char **argv)
     struct link *l = device_open(&info);
     canvas_init(&canvas, info.width, info.height, info.format);
     link_set_patience(l, 6);
-    link_send(l, USB_MSG_FRAME, NULL, 0, NULL, 0);
+    link_send(l, USB_MSG_FRAME, NULL, 0);
     frame_receive(l, &canvas);
     device_close(l);
     if (link_interrupted())

@@ -51,14 +51,16 @@ static void info_json(const struct usb_info *i, const char *version)
     if (i->upload_slot != USB_NO_UPLOAD)
         printf(" \"upload\": {\"bytes\": %u, \"received\": %u, \"crc\": %u},\n", i->upload_length, i->upload_received,
                i->upload_crc);
+    printf(" \"flash\": {\"bytes\": %u, \"block_bytes\": %u, \"scrubbed\": %u},\n", i->flash_bytes,
+           i->flash_block_bytes, i->scrubbed);
     for (unsigned s = 0; s < i->slot_count; s++) {
         const struct usb_slot_info *slot = &i->slots[s];
         if (s == 0)
             printf(" \"scene\": {");
         else
             printf("%s{\"slot\": %u, ", s == 1 ? " \"tables\": [\n  " : ",\n  ", s - 1);
-        printf("\"kind\": \"%s\", \"bytes\": %u, \"crc\": %u, \"bank_bytes\": %u}", kind_text(slot->kind), slot->bytes,
-               slot->crc, slot->bank_bytes);
+        printf("\"kind\": \"%s\", \"bytes\": %u, \"crc\": %u, \"bank_bytes\": %u, \"erases\": [%u, %u]}",
+               kind_text(slot->kind), slot->bytes, slot->crc, slot->bank_bytes, slot->erases[0], slot->erases[1]);
         if (s == 0)
             printf(",\n");
     }
@@ -75,13 +77,16 @@ static void info_text(const struct usb_info *i, const char *version)
     printf("memory     %u bytes for a frame\n", i->arena_bytes);
     if (i->upload_slot != USB_NO_UPLOAD)
         printf("upload     %u of %u bytes; push the same file to go on\n", i->upload_received, i->upload_length);
-    printf("slot       content     bytes   CRC-32    bank bytes\n");
+    printf("flash      %u bytes in blocks of %u%s\n", i->flash_bytes, i->flash_block_bytes,
+           i->scrubbed ? "; a write cut off by a power failure was cleaned up" : "");
+    printf("slot       content     bytes   CRC-32    bank bytes   erased\n");
     for (unsigned s = 0; s < i->slot_count; s++) {
         const struct usb_slot_info *slot = &i->slots[s];
         char name[16] = "scene";
         if (s)
             snprintf(name, sizeof name, "%u", s - 1);
-        printf("%-10s %-7s %9u  %08x  %10u\n", name, kind_text(slot->kind), slot->bytes, slot->crc, slot->bank_bytes);
+        printf("%-10s %-7s %9u  %08x  %10u  %u + %u times\n", name, kind_text(slot->kind), slot->bytes, slot->crc,
+               slot->bank_bytes, slot->erases[0], slot->erases[1]);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <zlib.h>
 
 #include "common.h"
 #include "raster.h"
@@ -188,7 +189,9 @@ static struct out_slot *free_slot(struct link *l)
     }
 }
 
-void link_send(struct link *l, enum usb_message type, const void *a, size_t a_bytes, const void *b, size_t b_bytes)
+/* `check`: of DATA, else NULL. */
+static void message_send(struct link *l, enum usb_message type, const void *a, size_t a_bytes, const void *b,
+                         size_t b_bytes, const uint32_t *check)
 {
     struct out_slot *slot = free_slot(l);
     struct usb_header h = {.magic = USB_PROTOCOL_MAGIC,
@@ -199,11 +202,13 @@ void link_send(struct link *l, enum usb_message type, const void *a, size_t a_by
     if (a_bytes + b_bytes > MAX_REQUEST)
         die(EXIT_INTERNAL, "request of %zu bytes, limit %u", a_bytes + b_bytes, MAX_REQUEST);
     l->types[l->next_sequence++ % sizeof l->types] = (uint8_t)type;
-    memcpy(slot->data, &h, sizeof h);
     if (a_bytes)
         memcpy(slot->data + sizeof h, a, a_bytes);
     if (b_bytes)
         memcpy(slot->data + sizeof h + a_bytes, b, b_bytes);
+    uLong of_header = crc32(0, (const Bytef *)&h, offsetof(struct usb_header, detail));
+    h.detail = check ? *check : (uint32_t)crc32(of_header, slot->data + sizeof h, (uInt)h.length);
+    memcpy(slot->data, &h, sizeof h);
     libusb_fill_bulk_transfer(slot->transfer, l->handle, USB_ENDPOINT_OUT, slot->data,
                               (int)(sizeof h + a_bytes + b_bytes), on_out, slot, 0);
     int e = libusb_submit_transfer(slot->transfer);
@@ -213,6 +218,17 @@ void link_send(struct link *l, enum usb_message type, const void *a, size_t a_by
         link_fail(l, libusb_strerror(e));
     slot->busy = true;
     l->last_activity = now();
+}
+
+void link_send(struct link *l, enum usb_message type, const void *payload, size_t bytes)
+{
+    message_send(l, type, payload, bytes, NULL, 0, NULL);
+}
+
+void link_send_data(struct link *l, uint32_t offset, const void *data, size_t bytes, uint32_t check)
+{
+    const struct usb_data d = {offset};
+    message_send(l, USB_MSG_DATA, &d, sizeof d, data, bytes, &check);
 }
 
 /* Collects bytes until `wanted` are there. Never asks for a packet that need not come: whole packets that hold the bytes
@@ -271,7 +287,7 @@ void link_expect_more(struct link *l)
 void link_request(struct link *l, struct reply *r, const char *what, enum usb_message type, const void *payload,
                   size_t bytes)
 {
-    link_send(l, type, payload, bytes, NULL, 0);
+    link_send(l, type, payload, bytes);
     link_receive(l, r);
     if (r->status != USB_OK)
         reply_refuse(r, what);
@@ -297,6 +313,7 @@ static const struct {
     [USB_ERR_FORBIDDEN] = {"the board forbids writing", "set its write jumper"},
     [USB_ERR_VALUE] = {"value out of range", "see 'gtusb info' for materials, lights and slots"},
     [USB_ERR_RENDER] = {"the frame cannot be rendered (code %u)", "simplify the scene"},
+    [USB_ERR_DAMAGED] = {"the request arrived damaged", "try again; check the cable"},
     [USB_ERR_TABLE] = {"the table slot of material %u is empty", "push a table to it or select another slot"},
     [USB_ERR_MEMORY] = {"the frame needs %u bytes of memory, more than the device has", "simplify the scene"},
 };

@@ -34,9 +34,12 @@ void link_close(struct link *l);
 /* Requests whose answer takes the device longer (erasing flash, rendering) multiply the time-out: 1 is the default. */
 void link_set_patience(struct link *l, double factor);
 
-/* Queues a request with a payload of two parts, at most USB_MAX_DATA + 64 bytes together; both are copied. No more than
- * LINK_DEPTH requests may be unanswered. */
-void link_send(struct link *l, enum usb_message type, const void *a, size_t a_bytes, const void *b, size_t b_bytes);
+/* Queues a request with a payload of at most USB_MAX_DATA + 64 bytes, which is copied. No more than LINK_DEPTH requests may be
+ * unanswered. */
+void link_send(struct link *l, enum usb_message type, const void *payload, size_t bytes);
+
+/* DATA; `check` is the CRC-32 of the upload's content up to the end of these bytes. */
+void link_send_data(struct link *l, uint32_t offset, const void *data, size_t bytes, uint32_t check);
 
 /* Waits for the reply to the oldest request sent. A reply with more to come (a frame's tiles) is received by calling again
  * after link_expect_more. */

@@ -1,4 +1,4 @@
-/* `push`: a scene or a table to the device's flash. */
+/* `push`: a scene or a table to the device's flash; `verify`: whether the flash holds it. */
 #define _GNU_SOURCE
 #include "gtusb.h"
 
@@ -11,12 +11,17 @@
 #include "lut.h"
 #include "scene.h"
 
+#define MAX_RETRIES 8 /* of messages that arrive damaged, without any progress between them */
+
 struct push {
     const char *path, *name;
     long slot; /* table slot, -1: not given */
+    bool json;
     uint8_t *data;
     size_t bytes;
     uint32_t kind; /* enum usb_slot_kind */
+    uint32_t crc;
+    char *where, *what; /* for messages: the slot; the file and the slot */
 };
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
@@ -25,6 +30,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     switch (key) {
     case 'n':
         p->slot = parse_long("--slot", arg, 0, USB_MAX_SLOTS - 2);
+        return 0;
+    case 'j':
+        p->json = true;
         return 0;
     case ARGP_KEY_ARG:
         if (p->path)
@@ -37,6 +45,12 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     default:
         return ARGP_ERR_UNKNOWN;
     }
+}
+
+/* CRC-32 of the file's first bytes. */
+static uint32_t crc_of(const struct push *p, size_t bytes)
+{
+    return (uint32_t)crc32(0, p->data, (uInt)bytes);
 }
 
 /* Reads the file, finds out what it is and checks it as the device will. */
@@ -67,16 +81,29 @@ static void push_load(struct push *p)
     } else
         die(EXIT_BAD_INPUT, "%s: neither a table (KTX 2.0) nor a scene of %zu bytes; build one with gtlut or gtscene",
             p->path, p->bytes);
+    p->crc = crc_of(p, p->bytes);
+    p->where = p->slot < 0 ? xstrdup("scene") : xasprintf("table slot %ld", p->slot);
+    p->what = xasprintf("%s of %zu bytes to %s", p->name, p->bytes, p->where);
+}
+
+static void push_free(struct push *p)
+{
+    free(p->data);
+    free(p->where);
+    free(p->what);
+}
+
+static uint32_t device_slot(const struct push *p)
+{
+    return (uint32_t)(p->slot + 1);
 }
 
 /* Drops the upload and ends the program. */
-static _Noreturn void push_abandon(struct link *l, const struct reply *why, unsigned unanswered, const char *what)
+static _Noreturn void push_abandon(struct link *l, const struct reply *why, const char *what)
 {
     struct reply ignored, refusal = why ? *why : (struct reply){0};
     link_set_patience(l, 1);
-    while (unanswered--)
-        link_receive(l, &ignored);
-    link_send(l, USB_MSG_ABORT, NULL, 0, NULL, 0);
+    link_send(l, USB_MSG_ABORT, NULL, 0);
     link_receive(l, &ignored);
     device_close(l);
     if (link_interrupted())
@@ -84,42 +111,103 @@ static _Noreturn void push_abandon(struct link *l, const struct reply *why, unsi
     reply_refuse(&refusal, what);
 }
 
-/* Streams the bytes from `done` on, LINK_DEPTH messages on their way. */
-static void push_stream(struct link *l, const struct push *p, size_t done, const char *what)
+/* Streams from `done` on, LINK_DEPTH messages on their way, until all is there, a refusal (then *r is the first) or Ctrl-C, and takes in
+ * every reply. Returns the bytes that arrived. */
+static size_t push_stream(struct link *l, const struct push *p, size_t done, struct reply *r)
 {
     size_t sent = done;
+    uint32_t check = crc_of(p, done);
     unsigned unanswered = 0;
-    struct reply r;
-    while (done < p->bytes) {
-        while (sent < p->bytes && unanswered < LINK_DEPTH && !link_interrupted()) {
-            struct usb_data d = {(uint32_t)sent};
+    *r = (struct reply){.status = USB_OK};
+    for (;;) {
+        while (sent < p->bytes && unanswered < LINK_DEPTH && r->status == USB_OK && !link_interrupted()) {
             size_t n = p->bytes - sent < USB_MAX_DATA ? p->bytes - sent : USB_MAX_DATA;
-            link_send(l, USB_MSG_DATA, &d, sizeof d, p->data + sent, n);
+            check = (uint32_t)crc32(check, p->data + sent, (uInt)n);
+            link_send_data(l, (uint32_t)sent, p->data + sent, n, check);
             sent += n;
             unanswered++;
         }
         if (!unanswered)
-            push_abandon(l, NULL, 0, what);
-        link_receive(l, &r);
+            return done;
+        struct reply one;
+        link_receive(l, &one);
         unanswered--;
-        if (r.status != USB_OK)
-            push_abandon(l, &r, unanswered, what);
-        done = done + USB_MAX_DATA < p->bytes ? done + USB_MAX_DATA : p->bytes;
+        if (r->status == USB_OK) {
+            *r = one;
+            if (one.status == USB_OK)
+                done = one.detail;
+        }
         progress("push", done, p->bytes);
     }
 }
 
+/* What arrives damaged is sent again. */
+static void push_content(struct link *l, const struct push *p, size_t done)
+{
+    struct reply r;
+    for (int tries = 0; done < p->bytes; tries++) {
+        size_t before = done;
+        done = push_stream(l, p, done, &r);
+        tries = done > before ? 0 : tries;
+        bool again = r.status == USB_ERR_DAMAGED || r.status == USB_ERR_OFFSET;
+        if (link_interrupted() || (r.status != USB_OK && !again) || tries == MAX_RETRIES || r.detail > p->bytes)
+            push_abandon(l, r.status == USB_OK ? NULL : &r, p->what);
+        done = r.detail; /* of a refusal: the offset expected; else that after the last message */
+    }
+}
+
+/* Reads the slot's content in flash and compares. */
+static void push_verify(struct link *l, const struct push *p)
+{
+    struct usb_verify verify = {device_slot(p)};
+    struct reply r;
+    link_request(l, &r, p->what, USB_MSG_VERIFY, &verify, sizeof verify);
+    if (r.detail != p->crc)
+        die(EXIT_MISMATCH, "%s: %s differs: its CRC-32 is %08x, the file's %08x; push the file again", p->name,
+            p->where, r.detail, p->crc);
+}
+
+static void json_string(const char *text)
+{
+    putchar('"');
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ')
+            printf("\\u%04x", (unsigned)*text);
+        else
+            printf(*text == '"' || *text == '\\' ? "\\%c" : "%c", *text);
+    putchar('"');
+}
+
+static void push_report(const struct push *p, size_t kept, double seconds)
+{
+    double rate = (double)(p->bytes - kept) / seconds;
+    if (p->json) {
+        printf("{\"file\": ");
+        json_string(p->path);
+        printf(", \"kind\": \"%s\", \"slot\": %ld, \"bytes\": %zu, \"resumed_after\": %zu, \"crc\": %u,\n"
+               " \"seconds\": %.6f, \"bytes_per_second\": %.0f, \"verified\": true}\n",
+               p->kind == USB_SLOT_SCENE ? "scene" : "table", p->slot, p->bytes, kept, p->crc, seconds, rate);
+        return;
+    }
+    printf("%s to %s: %zu bytes in %.3f s, %.2f MB/s\n", p->name, p->where, p->bytes - kept, seconds, rate / 1e6);
+    if (kept)
+        printf("resumed after %zu bytes of an earlier push\n", kept);
+}
+
+static const struct argp_option slot_option = {
+    "slot", 'n', "N", 0, "table slot 0 to 15, as the scene's materials name it (tables only)", 0};
+static const struct argp_option json_option = {"json", 'j', NULL, 0, "print JSON", 0};
+
 void command_push(int argc, char **argv)
 {
-    static const struct argp_option options[] = {
-        {"slot", 'n', "N", 0, "table slot 0 to 15, as the scene's materials name it (tables only)", 0}, {0}};
-    static const struct argp argp = {
+    const struct argp_option options[] = {slot_option, json_option, {0}};
+    const struct argp argp = {
         options,
         parse_option,
         "FILE",
         "Sends a table (KTX 2.0, from gtlut) or a scene (from gtscene) to the device's flash. "
-        "The device goes on with what it has until the new file is complete and checked. "
-        "Prints bytes, time and rate.",
+        "The device goes on with what it has until the new file is complete and checked; then its flash is read once "
+        "more and compared. A push that was cut off goes on where it stopped. Prints bytes, time and rate.",
         device_options,
         NULL,
         NULL};
@@ -129,38 +217,57 @@ void command_push(int argc, char **argv)
     struct timespec t0, t1;
     options_parse(&argp, argc, argv, &p);
     push_load(&p);
-    struct usb_begin begin = {.slot = (uint32_t)(p.slot + 1), .kind = p.kind, .length = (uint32_t)p.bytes};
-    begin.crc = (uint32_t)crc32(crc32(0, NULL, 0), p.data, (uInt)p.bytes);
-    char *where = p.slot < 0 ? xstrdup("scene") : xasprintf("table slot %ld", p.slot);
-    char *what = xasprintf("%s of %zu bytes to %s", p.name, p.bytes, where);
+    struct usb_begin begin = {device_slot(&p), p.kind, (uint32_t)p.bytes, p.crc};
 
     struct link *l = device_open(&info);
     clock_gettime(CLOCK_MONOTONIC, &t0);
     link_set_patience(l, 6);
-    /* The same upload, cut off earlier, goes on where it stopped. */
-    bool resumes = info.upload_slot == begin.slot && info.upload_length == begin.length && info.upload_crc == begin.crc;
-    size_t kept = resumes && info.upload_received <= p.bytes ? info.upload_received : 0;
-    if (!resumes)
-        link_request(l, &r, what, USB_MSG_BEGIN, &begin, sizeof begin);
-    push_stream(l, &p, kept, what);
+    /* The same upload, cut off earlier, goes on where it stopped, when what the device has of it is right. */
+    size_t kept = info.upload_received;
+    if (info.upload_slot != begin.slot || info.upload_length != begin.length || info.upload_crc != begin.crc ||
+        kept > p.bytes || info.upload_found != crc_of(&p, kept)) {
+        kept = 0;
+        link_request(l, &r, p.what, USB_MSG_BEGIN, &begin, sizeof begin);
+    }
+    push_content(l, &p, kept);
     if (link_interrupted())
-        push_abandon(l, NULL, 0, what);
-    link_send(l, USB_MSG_COMMIT, NULL, 0, NULL, 0);
+        push_abandon(l, NULL, p.what);
+    link_send(l, USB_MSG_COMMIT, NULL, 0);
     link_receive(l, &r);
     if (r.status == USB_ERR_CONTENT)
-        die(EXIT_REFUSED, "%s: refused by the device: %s; build it again with tools of the firmware's version", what,
+        die(EXIT_REFUSED, "%s: refused by the device: %s; build it again with tools of the firmware's version", p.what,
             p.kind == USB_SLOT_TABLE ? lut_status_text((enum lut_status)r.detail)
                                      : scene_status_text((enum scene_status)r.detail));
     if (r.status != USB_OK)
-        reply_refuse(&r, what);
+        reply_refuse(&r, p.what);
     clock_gettime(CLOCK_MONOTONIC, &t1);
-    double seconds = (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec);
-    printf("%s to %s: %zu bytes in %.3f s, %.2f MB/s\n", p.name, where, p.bytes - kept, seconds,
-           (double)(p.bytes - kept) / 1e6 / seconds);
-    if (kept)
-        printf("resumed after %zu bytes of an earlier push\n", kept);
+    push_verify(l, &p);
+    push_report(&p, kept, (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec));
     device_close(l);
-    free(what);
-    free(where);
-    free(p.data);
+    push_free(&p);
+}
+
+void command_verify(int argc, char **argv)
+{
+    const struct argp_option options[] = {slot_option, {0}};
+    const struct argp argp = {
+        options,
+        parse_option,
+        "FILE",
+        "Lets the device read a slot's content from its flash and compares it with a file. Exit code 10: it differs.",
+        device_options,
+        NULL,
+        NULL};
+    struct push p = {.slot = -1};
+    struct usb_info info;
+    options_parse(&argp, argc, argv, &p);
+    push_load(&p);
+    struct link *l = device_open(&info);
+    link_set_patience(l, 6);
+    if (device_slot(&p) < info.slot_count && info.slots[device_slot(&p)].kind == USB_SLOT_EMPTY)
+        die(EXIT_MISMATCH, "%s: %s is empty; push the file", p.name, p.where);
+    push_verify(l, &p);
+    printf("%s is in %s: %zu bytes, CRC-32 %08x\n", p.name, p.where, p.bytes, p.crc);
+    device_close(l);
+    push_free(&p);
 }

@@ -129,15 +129,28 @@ int sim_device_enumerate(struct sim_device *d, uint8_t descriptors[64])
 }
 
 /* CRC-32 of IEEE 802.3 by its definition. */
-static uint32_t crc32_of(const uint8_t *data, uint32_t bytes)
+static uint32_t crc32_of(uint32_t crc, const void *data, size_t bytes)
 {
-    uint32_t crc = 0xffffffffu;
-    for (uint32_t i = 0; i < bytes; i++) {
-        crc ^= data[i];
+    crc = ~crc;
+    for (const uint8_t *p = data; bytes; bytes--) {
+        crc ^= *p++;
         for (int bit = 0; bit < 8; bit++)
             crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
     }
     return ~crc;
+}
+
+void sim_device_check(struct sim_device *d, struct usb_header *h, const void *payload)
+{
+    uint32_t check = crc32_of(0, h, offsetof(struct usb_header, detail));
+    h->detail = crc32_of(check, payload, h->length);
+    if (h->type != USB_MSG_DATA || h->length < sizeof(struct usb_data))
+        return;
+    uint32_t offset;
+    memcpy(&offset, payload, sizeof offset);
+    d->content_crc =
+        crc32_of(offset ? d->content_crc : 0, (const uint8_t *)payload + sizeof offset, h->length - sizeof offset);
+    h->detail = d->content_crc;
 }
 
 static bool message_send(struct sim_device *d, uint8_t type, const void *payload, uint32_t bytes)
@@ -146,6 +159,7 @@ static bool message_send(struct sim_device *d, uint8_t type, const void *payload
     struct usb_header h = {USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, type, ++d->sequence, 0, bytes, 0};
     if (bytes > USB_MAX_PAYLOAD)
         return false;
+    sim_device_check(d, &h, payload);
     memcpy(message, &h, sizeof h);
     if (bytes)
         memcpy(message + sizeof h, payload, bytes);
@@ -191,7 +205,7 @@ bool sim_device_request(struct sim_device *d, uint8_t type, const void *payload,
 bool sim_device_push(struct sim_device *d, uint32_t slot, uint32_t kind, const void *data, uint32_t bytes,
                      struct usb_header *header)
 {
-    struct usb_begin begin = {slot, kind, bytes, crc32_of(data, bytes)};
+    struct usb_begin begin = {slot, kind, bytes, crc32_of(0, data, bytes)};
     bool ok = sim_device_request(d, USB_MSG_BEGIN, &begin, sizeof begin, header, NULL, 0);
     for (uint32_t at = 0; ok && header->status == USB_OK && at < bytes;) {
         uint32_t n = bytes - at < USB_MAX_DATA ? bytes - at : USB_MAX_DATA;

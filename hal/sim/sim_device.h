@@ -13,7 +13,8 @@ struct sim_device {
     struct sim *board;
     struct app app;
     struct app_config config;
-    uint16_t sequence; /* of sim_device_request */
+    uint16_t sequence;    /* of sim_device_request */
+    uint32_t content_crc; /* of the DATA sent so far */
 };
 
 /* NULL on bad configuration, unreadable flash file or lack of memory. The device is unplugged. */
@@ -38,6 +39,9 @@ int sim_device_control(struct sim_device *d, const uint8_t setup[8], void *data)
  * address 1, configuration 1. Writes the device descriptor (18 bytes) and the whole configuration descriptor
  * to `descriptors`; returns their bytes, or a negative enum sim_result. */
 int sim_device_enumerate(struct sim_device *d, uint8_t descriptors[64]);
+
+/* Puts the check of a request with this payload into its header. DATA goes on from the DATA before; offset 0 starts anew. */
+void sim_device_check(struct sim_device *d, struct usb_header *h, const void *payload);
 
 /* One request and its (first) reply. `reply` takes at most `max` payload bytes. Returns false on a stalled
  * endpoint, unplugged device or no reply. */

@@ -2,6 +2,7 @@
 #ifndef TESTS_UNIT_PROTOCOL_CLIENT_H
 #define TESTS_UNIT_PROTOCOL_CLIENT_H
 
+#include "crc32.h"
 #include "device_fixture.h"
 
 enum { WIDTH = 100, HEIGHT = 40, PICTURE = 3 * WIDTH * HEIGHT, TILES = 4 };
@@ -78,12 +79,26 @@ static inline void clear_halt(struct sim_device *d, uint8_t endpoint)
 struct stream {
     uint8_t data[40000];
     size_t bytes;
+    uint32_t content_crc; /* of the DATA so far */
 };
+
+/* The check of a request that is not DATA. */
+static inline uint32_t request_check(const struct usb_header *h, const void *payload)
+{
+    return crc32_update(crc32_update(0, h, 12), payload, h->length);
+}
 
 static inline void stream_add(struct stream *s, uint8_t type, const void *payload, uint32_t bytes)
 {
     struct usb_header h = {USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, type, (uint16_t)s->bytes, 0, bytes, 0};
+    uint32_t offset = 1;
     assert_true(s->bytes + sizeof h + bytes <= sizeof s->data);
+    h.detail = request_check(&h, payload);
+    if (type == USB_MSG_DATA && bytes > 4) {
+        memcpy(&offset, payload, 4);
+        s->content_crc = crc32_update(offset ? s->content_crc : 0, (const uint8_t *)payload + 4, bytes - 4);
+        h.detail = s->content_crc;
+    }
     memcpy(s->data + s->bytes, &h, sizeof h);
     if (bytes)
         memcpy(s->data + s->bytes + sizeof h, payload, bytes);

@@ -5,7 +5,6 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "crc32.h"
 #include "protocol_client.h"
 
 static uint64_t seed = 1;
@@ -101,7 +100,7 @@ static void reply_of_whole_packets_ends_with_an_empty_one(void **state)
         struct sim_device *d = sim_device_create(&c);
         static uint8_t pixels[320 * 240 * 2];
         uint8_t descriptors[64], packet[512], request[20] = {0};
-        struct usb_header h = {USB_PROTOCOL_MAGIC, 1, USB_MSG_STATS, 1, 0, 4, 0};
+        struct usb_header h;
         size_t bytes, got = 0;
         assert_non_null(d);
         sim_device_enumerate(d, descriptors);
@@ -110,9 +109,10 @@ static void reply_of_whole_packets_ends_with_an_empty_one(void **state)
         push_table(d, 1, 1);
         assert_true(sim_device_frame(d, pixels, &h));
         assert_int_equal(h.status, USB_OK);
-        h = (struct usb_header){USB_PROTOCOL_MAGIC, 1, USB_MSG_STATS, 1, 0, 4, 0};
-        memcpy(request, &h, 16);
+        h = (struct usb_header){USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, USB_MSG_STATS, 1, 0, 4, 0};
         request[16] = 1;
+        h.detail = request_check(&h, request + 16);
+        memcpy(request, &h, 16);
         sim_out(d->board, 1, request, sizeof request);
         for (int n = 1; n != 0;) {
             sim_device_poll(d);
@@ -178,6 +178,7 @@ static void push_cut_off_anywhere_keeps_the_old_table_and_can_go_on(void **state
         }
         if (part > 200 && part < 237) { /* the host takes up where it was */
             uint8_t message[USB_MAX_PAYLOAD] = {100};
+            d->content_crc = i.upload_found;
             memcpy(message + 4, table + 100, bytes - 100);
             assert_int_equal(ask(d, USB_MSG_DATA, message, (uint32_t)(4 + bytes - 100), NULL), USB_OK);
             assert_int_equal(ask(d, USB_MSG_COMMIT, NULL, 0, NULL), USB_OK);
@@ -195,13 +196,14 @@ static void half_a_request_is_forgotten_when_the_host_clears_the_endpoints(void 
 {
     struct sim_device *d = ready_device(false, false);
     (void)state;
-    sim_out(d->board, 1, "GT\1\2 a header cut off", 15);
+    sim_out(d->board, 1, "GT\2\2 a header cut off", 15);
     sim_device_poll(d);
     clear_halt(d, 0x01);
     clear_halt(d, 0x81);
     assert_int_equal(info(d).slot_count, 3);
     /* a reply nobody fetched does not reach the next host */
-    struct usb_header h = {USB_PROTOCOL_MAGIC, 1, USB_MSG_INFO, 4242, 0, 0, 0};
+    struct usb_header h = {USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, USB_MSG_INFO, 4242, 0, 0, 0};
+    h.detail = request_check(&h, NULL);
     sim_out(d->board, 1, &h, sizeof h);
     sim_device_poll(d);
     clear_halt(d, 0x01);
@@ -216,8 +218,9 @@ static void interrupted_frame_leaves_a_working_device(void **state)
     (void)state;
     for (int how = 0; how < 6; how++) {
         struct sim_device *d = ready_device(false, how % 2);
-        struct usb_header h = {USB_PROTOCOL_MAGIC, 1, USB_MSG_FRAME, 1, 0, 0, 0};
+        struct usb_header h = {USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, USB_MSG_FRAME, 1, 0, 0, 0};
         uint8_t packet[64], descriptors[64];
+        h.detail = request_check(&h, NULL);
         frame(d, first, NULL);
         sim_out(d->board, 1, &h, sizeof h);
         for (int i = 0; i < 30; i++) {
@@ -296,13 +299,14 @@ static void frame_in_flight_keeps_its_table(void **state)
 static bool statistics_add_up(struct sim_device *d, struct scene_camera next, uint32_t *covered)
 {
     static uint8_t reply[16 + 48 + 600 * 24 + 64]; /* more than the controller buffers */
-    struct usb_header h = {USB_PROTOCOL_MAGIC, 1, USB_MSG_STATS, 1, 0, 4, 0};
+    struct usb_header h = {USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, USB_MSG_STATS, 1, 0, 4, 0};
     struct usb_stats stats;
     uint32_t request[5] = {0};
     uint8_t packet[64];
     size_t got = 0;
-    memcpy(request, &h, 16);
     request[4] = 1;
+    h.detail = request_check(&h, request + 4);
+    memcpy(request, &h, 16);
     sim_out(d->board, 1, request, 20);
     for (uint32_t frames = d->app.frames; d->app.frames < frames + 2;)
         sim_device_poll(d);

@@ -22,7 +22,7 @@ static int descriptor(struct sim_device *d, unsigned type, unsigned index, unsig
 
 static void device_descriptor_is_exact(void **state)
 {
-    static const uint8_t expected[18] = {18,   1,    0x00, 0x02, 0,    0, 0, 64, 0x09,
+    static const uint8_t expected[18] = {18,   1,    0x01, 0x02, 0,    0, 0, 64, 0x09,
                                          0x12, 0x01, 0x00, 0x10, 0x00, 1, 2, 3,  1};
     struct sim_device *d = fixture_device(false, false);
     uint8_t data[64];
@@ -49,7 +49,7 @@ static void configuration_follows_the_speed(void **state)
     assert_int_equal(descriptor(full, 6, 0, 255, data), SIM_STALL);
     assert_int_equal(descriptor(full, 7, 0, 255, data), SIM_STALL);
 
-    static const uint8_t qualifier[10] = {10, 6, 0x00, 0x02, 0, 0, 0, 64, 1, 0};
+    static const uint8_t qualifier[10] = {10, 6, 0x01, 0x02, 0, 0, 0, 64, 1, 0};
     assert_int_equal(descriptor(high, 6, 0, 255, data), 10);
     assert_memory_equal(data, qualifier, 10);
     expected[1] = 7; /* at the other speed packets are of 64 bytes */
@@ -175,10 +175,156 @@ static void states_allow_what_chapter_9_says(void **state)
     assert_int_equal(control(d, 0x01, 11, 0, 0, 0, NULL), 0);
     assert_int_equal(control(d, 0x01, 11, 1, 0, 0, NULL), SIM_STALL);
     assert_int_equal(control(d, 0x00, 5, 9, 0, 0, NULL), SIM_STALL);
-    assert_int_equal(control(d, 0x00, 9, 0, 0, 0, NULL), 0); /* back to the address state */
+    assert_int_equal(control(d, 0x00, 9, 0x101, 0, 0, NULL), SIM_STALL);
+    assert_int_equal(control(d, 0x00, 9, 0, 0, 0, NULL), 0); /* back to the address state: no bulk transfers */
+    assert_int_equal(sim_out(d->board, 1, "x", 1), SIM_STALL);
+    assert_int_equal(sim_in(d->board, 0x81, data, 64), SIM_STALL);
+    assert_int_equal(control(d, 0x82, 0, 0, 0x81, 2, data), SIM_STALL);
     assert_int_equal(control(d, 0x80, 8, 0, 0, 1, data), 1);
     assert_int_equal(data[0], 0);
     sim_device_destroy(d);
+}
+
+static void windows_finds_winusb_by_the_descriptors(void **state)
+{
+    static const uint8_t bos[33] = {5,    15,   33,   0,    1,    28,   16,   5,    0,    0xdf, 0x60,
+                                    0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c, 0x9c, 0xd2, 0x65, 0x9d, 0x9e,
+                                    0x64, 0x8a, 0x9f, 0x00, 0x00, 0x03, 0x06, 162,  0,    0x20, 0};
+    static const uint8_t head[52] = {10,  0,   0,   0, 0,   0, 3,   6, 162, 0, 20,  0, 3,   0, 'W', 'I', 'N', 'U',
+                                     'S', 'B', 0,   0, 0,   0, 0,   0, 0,   0, 0,   0, 132, 0, 4,   0,   7,   0,
+                                     42,  0,   'D', 0, 'e', 0, 'v', 0, 'i', 0, 'c', 0, 'e', 0, 'I', 0};
+    static const char name[] = "DeviceInterfaceGUIDs", guid[] = "{6D3B1F6E-52C4-4F0B-9E0B-5C1A7E2D9A41}";
+    (void)state;
+    for (int speed = 0; speed < 2; speed++) {
+        struct sim_device *d = fixture_device(speed, false);
+        uint8_t data[512];
+        assert_int_equal(descriptor(d, 15, 0, 5, data), 5); /* hosts ask for the header first */
+        assert_memory_equal(data, bos, 5);
+        assert_int_equal(descriptor(d, 15, 0, 255, data), sizeof bos);
+        assert_memory_equal(data, bos, sizeof bos);
+        for (unsigned length = 1; length < 300; length++) {
+            memset(data, 0xa5, sizeof data);
+            unsigned n = (unsigned)control(d, 0xc0, 0x20, 0, 7, length, data);
+            assert_int_equal(n, length < 162 ? length : 162);
+            assert_int_equal(data[n], 0xa5);
+        }
+        assert_memory_equal(data, head, sizeof head);
+        for (size_t i = 0; i < sizeof name; i++)
+            assert_int_equal(data[38 + 2 * i] | data[39 + 2 * i] << 8, name[i]);
+        assert_int_equal(data[80] | data[81] << 8, 80);
+        for (size_t i = 0; i < sizeof guid; i++)
+            assert_int_equal(data[82 + 2 * i] | data[83 + 2 * i] << 8, guid[i]);
+        assert_int_equal(data[160] | data[161], 0); /* the list of strings ends with an empty one */
+        sim_device_destroy(d);
+    }
+}
+
+/* A read of no bytes has no data stage, whatever its direction bit says. */
+static void read_of_nothing_goes_straight_to_its_status(void **state)
+{
+    struct sim_device *d = fixture_device(false, false);
+    static const uint8_t setup[8] = {0x80, 6, 0, 1, 0, 0, 0, 0};
+    uint8_t data[64];
+    (void)state;
+    sim_setup(d->board, setup);
+    sim_device_poll(d);
+    assert_int_equal(sim_in(d->board, 0x80, data, 64), 0);
+    sim_device_poll(d);
+    assert_int_equal(sim_in(d->board, 0x80, data, 64), SIM_NAK);
+    assert_int_equal(descriptor(d, 1, 0, 18, data), 18);
+    sim_device_destroy(d);
+}
+
+/* The address state begins with the status stage of SET_ADDRESS, not before. */
+static void unfinished_set_address_changes_no_state(void **state)
+{
+    struct sim_device *d = fixture_device(false, false);
+    static const uint8_t address[8] = {0x00, 5, 9}, configure[8] = {0x00, 9, 1};
+    uint8_t data[64];
+    (void)state;
+    sim_bus_reset(d->board);
+    sim_device_poll(d);
+    sim_setup(d->board, address); /* and another SETUP before the firmware sees it */
+    sim_setup(d->board, configure);
+    sim_device_poll(d);
+    assert_int_equal(sim_in(d->board, 0x80, data, 64), SIM_STALL);
+    assert_int_equal(d->app.usb.state, USB_STATE_DEFAULT);
+    assert_int_equal(control(d, 0x00, 5, 0, 0, 0, NULL), 0); /* address 0 stays in the default state */
+    assert_int_equal(d->app.usb.state, USB_STATE_DEFAULT);
+    assert_int_equal(control(d, 0x00, 5, 9, 0, 0, NULL), 0);
+    assert_int_equal(d->app.usb.state, USB_STATE_ADDRESS);
+    assert_int_equal(control(d, 0x00, 5, 0, 0, 0, NULL), 0); /* and leads back to it */
+    assert_int_equal(d->app.usb.state, USB_STATE_DEFAULT);
+    sim_device_destroy(d);
+}
+
+/* Every request there is and many there are not, in every state: each is answered or stalled, never left hanging, and the
+ * next one is served. */
+static void every_request_ends_in_every_state(void **state)
+{
+    static const uint16_t indices[] = {0x00, 0x01, 0x80, 0x81, 0x02, 0x100};
+    struct sim_device *d = fixture_device(true, false);
+    (void)state;
+    for (int stage = 0; stage < 3; stage++)
+        for (unsigned type = 0; type < 256; type += type % 32 == 3 ? 29 : 1) /* recipients 0 to 3 of every type */
+            for (unsigned request = 0; request < 14; request++)
+                for (size_t i = 0; i < sizeof indices / sizeof *indices; i++)
+                    for (unsigned value = 0; value < 3; value++) {
+                        uint8_t data[256] = {0};
+                        sim_bus_reset(d->board);
+                        if (stage > 0)
+                            assert_int_equal(control(d, 0x00, 5, 7, 0, 0, NULL), 0);
+                        if (stage > 1)
+                            assert_int_equal(control(d, 0x00, 9, 1, 0, 0, NULL), 0);
+                        unsigned length = type & 0x80 ? 1 + value % 2 : 0;
+                        int n = control(d, type, request, value, indices[i], length, data);
+                        assert_true(n == SIM_STALL || (n >= 0 && n <= (int)length));
+                        assert_true(stage > 0 || n == SIM_STALL || request == 5 || request == 6);
+                        assert_int_equal(descriptor(d, 1, 0, 18, data), 18);
+                    }
+    sim_device_destroy(d);
+}
+
+/* Pulled or reset after any number of steps of any stage of any state, the device enumerates again and serves. */
+static void unplug_and_reset_at_any_moment(void **state)
+{
+    static const uint8_t setups[][8] = {
+        {0x80, 6, 3, 3, 9, 4, 255, 0}, {0xc0, 0x20, 0, 0, 7, 0, 162, 0}, {0x00, 5, 99, 0, 0, 0, 0, 0},
+        {0x00, 9, 1, 0, 0, 0, 0, 0},   {0x02, 3, 0, 0, 0x81, 0, 0, 0},   {0x02, 3, 0, 0, 0x01, 0, 0, 0},
+        {0x01, 11, 0, 0, 0, 0, 0, 0},  {0x00, 9, 0, 0, 0, 0, 0, 0},      {0x80, 0, 0, 0, 0, 0, 2, 0},
+    };
+    (void)state;
+    for (size_t s = 0; s < sizeof setups / sizeof *setups; s++)
+        for (int stage = 0; stage < 3; stage++)
+            for (int steps = 0; steps < 6; steps++)
+                for (int how = 0; how < 3; how++) {
+                    struct sim_device *d = fixture_device(how == 1, false);
+                    struct usb_header h;
+                    uint8_t data[256];
+                    sim_bus_reset(d->board);
+                    if (stage > 0)
+                        control(d, 0x00, 5, 7, 0, 0, NULL);
+                    if (stage > 1)
+                        control(d, 0x00, 9, 1, 0, 0, NULL);
+                    sim_setup(d->board, setups[s]);
+                    for (int i = 0; i < steps; i++) {
+                        sim_device_poll(d);
+                        if (i % 2)
+                            sim_in(d->board, 0x80, data, 64);
+                    }
+                    if (how < 2)
+                        sim_unplug(d->board);
+                    else
+                        sim_bus_reset(d->board);
+                    if (steps % 2)
+                        sim_device_poll(d);
+                    assert_int_equal(sim_address(d->board), 0);
+                    assert_int_equal(sim_device_enumerate(d, data), 50);
+                    assert_int_equal(control(d, 0x82, 0, 0, 0x81, 2, data), 2);
+                    assert_int_equal(data[0], 0); /* no halt is left */
+                    assert_true(sim_device_request(d, USB_MSG_INFO, NULL, 0, &h, NULL, 0));
+                    sim_device_destroy(d);
+                }
 }
 
 static void halt_is_set_reported_and_cleared(void **state)
@@ -209,17 +355,23 @@ static void halt_is_set_reported_and_cleared(void **state)
 static void unknown_requests_stall_and_the_next_one_is_served(void **state)
 {
     static const uint8_t unknown[][8] = {
-        {0x80, 6, 0, 15, 0, 0, 5, 0},                                    /* BOS */
-        {0x80, 6, 0, 0x22, 0, 0, 9, 0},                                  /* HID report */
-        {0x00, 7, 0, 1, 0, 0, 18, 0},                                    /* SET_DESCRIPTOR, with data */
-        {0x00, 3, 1, 0, 0, 0, 0, 0},                                     /* remote wake-up */
-        {0x00, 3, 2, 0, 0, 1, 0, 0},                                     /* test mode */
-        {0x02, 3, 0, 0, 2, 0, 0, 0},                                     /* halt of an endpoint there is not */
-        {0x02, 3, 1, 0, 1, 0, 0, 0},                                     /* other feature of an endpoint */
-        {0x82, 12, 0, 0, 0x81, 0, 2, 0}, {0xc0, 1, 0, 0, 0, 0, 8, 0},    /* vendor */
-        {0x40, 1, 0, 0, 0, 0, 0, 0},     {0x21, 0x22, 0, 0, 0, 0, 0, 0}, /* class */
-        {0x80, 5, 0, 0, 0, 0, 0, 0},     {0x00, 9, 1, 0, 0, 0, 4, 0},    /* SET_CONFIGURATION with data */
-        {0x80, 0, 0, 0, 0, 0, 1, 0},                                     /* GET_STATUS of one byte */
+        {0x80, 6, 1, 15, 0, 0, 5, 0},                                     /* a second BOS */
+        {0x80, 6, 0xee, 3, 0, 0, 18, 0},                                  /* Microsoft's first try, a string */
+        {0xc0, 0x20, 0, 0, 8, 0, 162, 0},                                 /* other indices of Microsoft's request */
+        {0xc0, 0x20, 1, 0, 7, 0, 162, 0},                                 /* with a value */
+        {0xc1, 0x20, 0, 0, 7, 0, 162, 0},                                 /* to the interface */
+        {0x40, 0x20, 0, 0, 8, 0, 0, 0},                                   /* alternative enumeration */
+        {0xa0, 0, 0, 0, 0, 0, 2, 0},                                      /* class request with a standard number */
+        {0x80, 6, 0, 0x22, 0, 0, 9, 0},                                   /* HID report */
+        {0x00, 7, 0, 1, 0, 0, 18, 0},                                     /* SET_DESCRIPTOR, with data */
+        {0x00, 3, 1, 0, 0, 0, 0, 0},                                      /* remote wake-up */
+        {0x00, 3, 2, 0, 0, 1, 0, 0},                                      /* test mode */
+        {0x02, 3, 0, 0, 2, 0, 0, 0},                                      /* halt of an endpoint there is not */
+        {0x02, 3, 1, 0, 1, 0, 0, 0},                                      /* other feature of an endpoint */
+        {0x82, 12, 0, 0, 0x81, 0, 2, 0},  {0xc0, 1, 0, 0, 0, 0, 8, 0},    /* vendor */
+        {0x40, 1, 0, 0, 0, 0, 0, 0},      {0x21, 0x22, 0, 0, 0, 0, 0, 0}, /* class */
+        {0x80, 5, 0, 0, 0, 0, 0, 0},      {0x00, 9, 1, 0, 0, 0, 4, 0},    /* SET_CONFIGURATION with data */
+        {0x80, 0, 0, 0, 0, 0, 1, 0},                                      /* GET_STATUS of one byte */
         {0x83, 0, 0, 0, 0, 0, 2, 0},
     };
     struct sim_device *d = fixture_device(false, false);
@@ -274,6 +426,11 @@ int main(void)
         cmocka_unit_test(full_packet_that_ends_early_is_followed_by_an_empty_one),
         cmocka_unit_test(address_takes_effect_after_the_status_stage),
         cmocka_unit_test(states_allow_what_chapter_9_says),
+        cmocka_unit_test(windows_finds_winusb_by_the_descriptors),
+        cmocka_unit_test(read_of_nothing_goes_straight_to_its_status),
+        cmocka_unit_test(unfinished_set_address_changes_no_state),
+        cmocka_unit_test(every_request_ends_in_every_state),
+        cmocka_unit_test(unplug_and_reset_at_any_moment),
         cmocka_unit_test(halt_is_set_reported_and_cleared),
         cmocka_unit_test(unknown_requests_stall_and_the_next_one_is_served),
         cmocka_unit_test(new_setup_replaces_an_unfinished_transfer),
