@@ -55,7 +55,7 @@ static uint64_t square64(struct vec3_64 a)
     return (uint64_t)(a.x * a.x + a.y * a.y + a.z * a.z);
 }
 
-static int64_t dot64(struct vec3 a, struct vec3_64 b)
+static int64_t dot64(struct vec3_64 a, struct vec3_64 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -86,10 +86,10 @@ static uint32_t root(uint64_t x)
     return (uint32_t)((uint64_t)y * m >> (30 + shift - 12));
 }
 
-/* Between nodes k and k+1 of a warp; fraction of 2^15. Out: 24 fraction bits, at most 2^31. */
+/* Between nodes k and k+1 of a warp; fraction of 2^32. Out: 24 fraction bits, at most 2^31. */
 static uint32_t warp_between(const uint16_t *w, uint32_t k, uint32_t fraction)
 {
-    return ((uint32_t)w[k] << 15) + ((uint32_t)w[k + 1] - w[k]) * fraction;
+    return ((uint32_t)w[k] << 15) + fx_mulhi_u(((uint32_t)w[k + 1] - w[k]) << 15, fraction);
 }
 
 /* In: sin^2 theta_h, 1.0 = 2^31. */
@@ -101,13 +101,13 @@ static uint32_t h_coordinate(const struct lut_table *t, uint32_t s2)
     }
     unsigned zeros = fx_clz(x); /* 1 .. 16: x in 2^-zeros .. 2^(1-zeros) */
     x <<= zeros;
-    return warp_between(t->warp_h, 8 * (16 - zeros) + (x >> 28 & 7), x << 4 >> 17);
+    return warp_between(t->warp_h, 8 * (16 - zeros) + (x >> 28 & 7), x << 4);
 }
 
 uint32_t lut_d_coordinate(const struct lut_table *t, uint32_t sine, uint32_t cosine)
 {
     int32_t y = fx_clamp((1 << 27) + (int32_t)sine - (int32_t)cosine, 0, (1 << 28) - 1); /* 1.0 = 2^28 */
-    return warp_between(t->warp_d, (uint32_t)y >> 22, (uint32_t)y >> 7 & 0x7fff);
+    return warp_between(t->warp_d, (uint32_t)y >> 22, (uint32_t)y << 10);
 }
 
 struct lut_rgb lut_half_vector(const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
@@ -116,8 +116,8 @@ struct lut_rgb lut_half_vector(const struct lut_table *t, struct vec3 n, struct 
     struct vec3_64 h = {l1.x + v1.x, l1.y + v1.y, l1.z + v1.z}, d = {l1.x - v1.x, l1.y - v1.y, l1.z - v1.z};
     struct vec3_64 c = {(n1.y * h.z - n1.z * h.y) >> 29, (n1.z * h.x - n1.x * h.z) >> 29,
                         (n1.x * h.y - n1.y * h.x) >> 29};
-    uint64_t h2 = square64(h), d2 = square64(d);                                                /* 1.0 = 2^58, sum 4 */
-    struct real nh = real_make(magnitude(dot64(n, h))), nd = real_make(magnitude(dot64(n, d))); /* 1.0 = 2^44 */
+    uint64_t h2 = square64(h), d2 = square64(d); /* 1.0 = 2^58, sum 4 */
+    struct real nh = real_make(magnitude(dot64(n1, h))), nd = real_make(magnitude(dot64(n1, d))); /* 1.0 = 2^58 */
     struct real c2 = real_make(square64(c));
     uint32_t s2 = 0, t2 = 0;
     if (!nh.m) /* n.l and n.v of a unit in the last place */
@@ -128,20 +128,20 @@ struct lut_rgb lut_half_vector(const struct lut_table *t, struct vec3 n, struct 
     if (nd.m && s2 > cosine2) {
         struct real q = real_div(nd, nh);
         t2 = real_fixed(real_mul(q, q), 24, 1u << 24);
-    } else if (nd.m && c2.m && d2) { /* (n.d)^2/d^2 / (c^2/h^2); the scale of c is 2^29 */
+    } else if (nd.m && c2.m && d2) { /* (n.d)^2/d^2 / (c^2/h^2) */
         struct real q = real_div(real_mul(nd, nd), real_make(d2));
         q = real_div(real_mul(q, real_make(h2)), c2);
-        t2 = real_fixed(q, 24 - 30, 1u << 24);
+        t2 = real_fixed(q, 24 - 58, 1u << 24);
     }
     struct lut_rgb g =
         lut_interpolate(t->texels, t->width, t->height, lut_cell_find(t2 * (t->width - 1), 24, t->width),
                         lut_cell_find(h_coordinate(t, s2), 24, t->height),
                         lut_cell_find(lut_d_coordinate(t, root(d2 >> 4), root(h2 >> 4)), LUT_D_BITS, t->depth));
-    /* f = g / (n.l + n.v): the sum is nh.m 2^(nh.e - 44), its reciprocal r 2^(-61 + 44 - nh.e), r <= 2^30 */
+    /* f = g / (n.l + n.v): the sum is nh.m 2^(nh.e - 58), its reciprocal r 2^(-61 + 58 - nh.e), r <= 2^30 */
     uint32_t r = fx_recip(nh.m) << 2; /* wraps to 0 for 2^30 alone */
     r = r ? r : UINT32_MAX;
     for (int k = 0; k < 3; k++)
         g.c[k] = (fx_mulhi_u(g.c[k], r) + 128) >> 8; /* < 2^21 */
-    g.e += 32 + 8 - 2 - 61 + 44 - nh.e + t->scale;
+    g.e += 32 + 8 - 2 - 61 + 58 - nh.e + t->scale;
     return g;
 }

@@ -65,6 +65,9 @@ enum lut_status lut_open(struct lut_table *out, const void *file, size_t bytes);
  */
 unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v);
 
+/* f from a specular-frame table at its own angles, 180 degrees = 2^28; phi_d below a full turn, 2^28. Accuracy as above. */
+struct lut_rgb lut_specular_frame_at(const struct lut_table *t, uint32_t theta_in, uint32_t theta_d, uint32_t phi_d);
+
 /* Coordinate on the half-vector table's d axis, LUT_D_BITS fraction bits, 0 .. depth-1. In: sine and cosine of theta_d,
  * 1.0 = 2^27 (within 2^-9 of a unit circle). Warps are followed exactly but for a truncation by 2^-24 of a cell. */
 #define LUT_D_BITS 24

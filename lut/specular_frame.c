@@ -61,6 +61,20 @@ static void coordinates_find(struct coordinates *out, int32_t nl, struct vec3 n,
     out->phi_d = lut_turn((int32_t)(dot64(v, t) >> 15), (int32_t)(dot64(v, u) >> 15));
 }
 
+struct lut_rgb lut_specular_frame_at(const struct lut_table *t, uint32_t theta_in, uint32_t theta_d, uint32_t phi_d)
+{
+    /* angle 2^28 * (nodes-1) 2^16 / 2^32 = coordinate 2^12; nodes <= 2^12 */
+    struct lut_rgb f = lut_interpolate(t->texels, t->width, t->height,
+                                       lut_cell_find(fx_mulhi_u(phi_d, (t->width - 1) << 16), 12, t->width),
+                                       lut_cell_find(fx_mulhi_u(theta_d, (t->height - 1) << 16), 12, t->height),
+                                       lut_cell_find(fx_mulhi_u(theta_in, t->slice_scale), 12, t->depth));
+    for (int k = 0; k < 3; k++) {
+        f.c[k] = (f.c[k] + 128) >> 8; /* <= 511 * 2^12 */
+    }
+    f.e += 8;
+    return f;
+}
+
 struct lut_rgb lut_specular_frame(const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
 {
     struct coordinates at;
@@ -72,14 +86,5 @@ struct lut_rgb lut_specular_frame(const struct lut_table *t, struct vec3 n, stru
         nl = dot_wrapping(n, l);
     }
     coordinates_find(&at, nl, n, l, v);
-    /* angle 2^28 * (nodes-1) 2^16 / 2^32 = coordinate 2^12; nodes <= 2^12 */
-    struct lut_rgb f = lut_interpolate(t->texels, t->width, t->height,
-                                       lut_cell_find(fx_mulhi_u(at.phi_d, (t->width - 1) << 16), 12, t->width),
-                                       lut_cell_find(fx_mulhi_u(at.theta_d, (t->height - 1) << 16), 12, t->height),
-                                       lut_cell_find(fx_mulhi_u(at.theta_in, t->slice_scale), 12, t->depth));
-    for (int k = 0; k < 3; k++) {
-        f.c[k] = (f.c[k] + 128) >> 8; /* <= 511 * 2^12 */
-    }
-    f.e += 8;
-    return f;
+    return lut_specular_frame_at(t, at.theta_in, at.theta_d, at.phi_d);
 }

@@ -316,26 +316,6 @@ static void bin_objects(struct binner *b, uint32_t bias)
     }
 }
 
-/* Lights into eye space, times exposure. */
-static void light_setup(struct raster *r)
-{
-    const q2_30_t *m = r->frame.camera->rotation;
-    for (unsigned i = 0; i < r->frame.light_count; i++) {
-        const struct scene_light *l = &r->frame.lights[i];
-        int32_t d[3];
-        for (int j = 0; j < 3; j++) { /* Q60 to Q15 */
-            int64_t q60 = (int64_t)m[3 * j] * l->direction[0] + (int64_t)m[3 * j + 1] * l->direction[1] +
-                          (int64_t)m[3 * j + 2] * l->direction[2];
-            d[j] = (int32_t)((q60 + ((int64_t)1 << 44)) >> 45);
-        }
-        r->lights[i].direction = (struct vec3){d[0], d[1], d[2]};
-        for (int j = 0; j < 3; j++) {
-            uint64_t e = (uint64_t)l->irradiance[j] * r->frame.output->exposure >> 16;
-            r->lights[i].irradiance[j] = e > UINT32_MAX ? UINT32_MAX : (uint32_t)e;
-        }
-    }
-}
-
 static enum raster_status check_frame(struct raster *r, const struct raster_frame *f)
 {
     const unsigned shift = raster_sample_shift(f);
@@ -365,18 +345,20 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->tiles_x = (uint16_t)((r->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
     r->tiles_y = (uint16_t)((r->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
     uint32_t tiles = raster_tile_count(r);
-    size_t head_bytes = (tiles * sizeof(uint16_t) + 7) & ~(size_t)7; /* objects are 8-aligned */
+    size_t head_bytes = (tiles * sizeof(uint16_t) + 7) & ~(size_t)7;
+    size_t light_bytes = raster_light_bytes(f); /* both multiples of 8, for objects are 8-aligned */
     bytes &= ~(size_t)3;
     uint32_t threshold = f->scene->header->lod_error;
-    struct binner b = {.r = r, .fixed_bytes = head_bytes, .arena_bytes = bytes};
+    struct binner b = {.r = r, .fixed_bytes = head_bytes + light_bytes, .arena_bytes = bytes};
     b.pixels = magnitude_mul(magnitude_of(threshold ? threshold : FIRST_THRESHOLD),
                              magnitude_inverse(magnitude_of((uint64_t)f->height * f->camera->focal)));
     b.pixels.e += 1; /* both have 16 fraction bits; H/2 */
-    b.objects_stored = arena && bytes >= head_bytes;
+    b.objects_stored = arena && bytes >= head_bytes + light_bytes;
     if (b.objects_stored) {
         uint8_t *p = arena;
         r->heads = (uint16_t *)p;
-        r->objects = (struct raster_object *)(p + head_bytes);
+        r->lights = (struct raster_light *)(void *)(p + head_bytes);
+        r->objects = (struct raster_object *)(p + head_bytes + light_bytes);
         r->nodes = b.node_end = (struct raster_node *)(p + bytes);
     }
     r->object_count = 0;
@@ -395,8 +377,9 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
                       (size_t)b.node_count * sizeof(struct raster_node);
     if (!b.store)
         return RASTER_ERR_ARENA;
-    light_setup(r);
     raster_view_setup(&r->view, f->camera, f->width, f->height);
+    raster_light_setup(r);
+    r->block_shift = raster_block_shift(&r->view);
     return RASTER_OK;
 }
 

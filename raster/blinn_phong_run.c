@@ -45,7 +45,7 @@ struct run {
     uint32_t kd[3], ks[3]; /* 1.0 = 2^32 - 1 and 2^30 */
     uint32_t ambient;      /* 20 fraction bits */
     const struct run_light *lights_end;
-    struct run_light light[SCENE_MAX_LIGHTS];
+    struct run_light light[RASTER_RUN_LIGHTS];
 };
 
 /* The same number, of which the compiler knows nothing: not that it is the half of a 64-bit product, which it would go on to multiply
@@ -189,7 +189,7 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     struct run_light *l = run.light;
     for (uint32_t i = 0; l != run.lights_end; i++, l++) {
         const uint32_t *e = b->diffuse_colour[i];
-        l->l = r->lights[i].direction;
+        l->l = r->lights[i].v;
         l->row = l->l.y * run.y + l->l.z * run.z + 2048; /* 2^15 * 2^15.8 */
         for (int k = 0; k < 3; k++)
             l->e[k] = (int32_t)(e[k] << 2);

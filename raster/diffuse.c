@@ -43,7 +43,7 @@ void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const 
     if (b->diffuse_material != slot->material + 1u)
         colour_setup(b, r, slot->material);
     for (unsigned i = 0; i < lights; i++) {
-        const struct vec3 l = light_local(slot->frame, r->lights[i].direction);
+        const struct vec3 l = light_local(slot->frame, r->lights[i].v);
         const uint32_t red = b->diffuse_colour[i][0], green = b->diffuse_colour[i][1], blue = b->diffuse_colour[i][2];
         uq12_20_t *out = b->radiance[0], *end = b->radiance[count];
         const struct raster_surface *p = s;

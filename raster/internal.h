@@ -171,16 +171,17 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
 void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats);
 
-/* phong.c: adds one light's reflected radiance to a batch of pixels. Returns pixel-lights evaluated. */
-uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene_material *m,
-                                      const struct raster_light *light);
+/* light.c: bytes of arena for lights and lobes, and filling them; a shading block's edge is 2^shift pixels. */
+size_t raster_light_bytes(const struct raster_frame *f);
+void raster_light_setup(struct raster *r);
+uint8_t raster_block_shift(const struct raster_view *v);
+/* Finds the point lights that may reach a surface of the tile. */
+void raster_cull_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
 
-/* blinn_phong.c: the same for that model, but for its ambient light and clamp, which follow all lights. */
-uint32_t raster_shade_blinn_phong(struct raster_batch *b, const struct scene_material *m,
-                                  const struct raster_light *light);
-void raster_finish_blinn_phong(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
+/* Blinn-Phong's and metallic-roughness' ambient light, which follows all others, and the former's clamp. */
+void raster_finish_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
 
-/* blinn_phong_run.c: the same for a run of pixels of one slot, from (x, y) on the screen and s on, finished radiance into the batch's,
+/* blinn_phong_run.c: that model for a run of pixels of one slot, from (x, y) on the screen and s on, finished radiance into the batch's,
  * from its start; at most RASTER_BATCH pixels. Only for materials that the first function says it is for. */
 bool raster_has_blinn_phong_run(const struct raster *r, const struct scene_material *m);
 void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,

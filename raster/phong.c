@@ -1,49 +1,45 @@
 /*
  * Lafortune-Phong: f = kd/pi + ks (n+2)/(2 pi) max(v.r, 0)^n (Lafortune and Willems 1994; Cezner 2024, eq. 6), r the mirror
- * direction of l. v.r is taken from |v-r|^2 = 2 - 2 v.r: near the lobe's centre the difference keeps its bits, the
- * product would not.
+ * direction of l. 1 - v.r is 2 ((n.a)^2 + (n.b cos theta_d)^2), see block.h.
  */
-#include "internal.h"
-#include "func.h"
+#include "block.h"
 
-uint32_t raster_shade_lafortune_phong(struct raster_batch *b, const struct scene_material *m,
-                                      const struct raster_light *light)
+uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+                                      const struct raster_block_light *light)
 {
+    const struct scene_material *m = &r->frame.materials[b->material];
+    const struct raster_lobe *lobe = &r->lobes[r->lobe_of_material[b->material]];
     /* Reflected radiance per n.l, 20 fraction bits; ks <= 2^16, irradiance < 2^32. */
-    uint64_t diffuse[3], specular[3];
-    unsigned drop[3]; /* bits off the lobe's peak to keep it below 2^32 */
+    uint32_t diffuse[3], specular[3], lit = 0;
+    uint64_t peak[3];
+    unsigned drop = 0; /* bits off the lobe's peak to keep it below 2^31 */
     for (int k = 0; k < 3; k++) {
-        uint64_t lobe = (uint64_t)fx_over_pi((m->exponent >> 1) + (1u << 16)) * m->ks[k] >> 16; /* uq16_16: <= 652 */
-        diffuse[k] = raster_diffuse_colour(m->kd[k], light->irradiance[k]);
-        specular[k] = lobe * light->irradiance[k] >> 12; /* 2^25.4 * 2^32 */
-        for (drop[k] = 0; specular[k] >> 32; drop[k]++)
-            specular[k] >>= 1;
+        uint64_t scale = (uint64_t)fx_over_pi((m->exponent >> 1) + (1u << 16)) * m->ks[k] >> 16; /* uq16_16: <= 652 */
+        peak[k] = scale * light->colour[k] >> 12;                                                /* 2^25.4 * 2^32 */
+        while (peak[k] >> drop >> 31)
+            drop++;
+        diffuse[k] = raster_diffuse_colour(m->kd[k], light->colour[k]);
     }
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < b->count; i++) {
-        struct vec3 n = b->normal[i], l = light->direction, v = b->view[i];
-        int32_t nl = fx_dot(n, l) >> 15, nv = fx_dot(n, v) >> 15; /* Q15 */
-        if (nl <= 0)
+    for (int k = 0; k < 3; k++)
+        specular[k] = (uint32_t)(peak[k] >> drop);
+    struct raster_walk walk = {.y = RASTER_BLOCK};
+    for (uint32_t i = first; i < end; i++) {
+        struct raster_pixel p;
+        if (!raster_walk_pixel(&p, &walk, b, light, i, false))
             continue;
-        count++;
-        nl = fx_min(nl, 32768);
-        uint32_t power = 0; /* max(v.r, 0)^n, 1.0 = 2^30 */
-        if (2 * (nl * nv >> 15) > fx_dot(l, v) >> 15) {
-            /* d = r - v, Q15, shorter than sqrt(2) here: squares below 2^31; v.r = 1 - |d|^2/2 */
-            int32_t dx = ((nl * n.x + (1 << 13)) >> 14) - l.x - v.x, dy = ((nl * n.y + (1 << 13)) >> 14) - l.y - v.y,
-                    dz = ((nl * n.z + (1 << 13)) >> 14) - l.z - v.z;
-            uint32_t half_d2 = fx_square(dx) / 2 + fx_square(dy) / 2 + fx_square(dz) / 2;
-            if (half_d2 < 1u << 30) {
-                uint32_t y = (30u << 25) - lut_log2((1u << 30) - half_d2); /* -log2(v.r) */
-                uint64_t ny = (uint64_t)y * m->exponent >> 16;             /* 2^30 * 2^28 before the shift */
-                power = lut_exp2_neg(ny > UINT32_MAX ? UINT32_MAX : (uint32_t)ny);
-            }
-        }
-        for (int k = 0; k < 3; k++) {
-            uint64_t f = diffuse[k] + (specular[k] * power >> (30 - drop[k])); /* 2^32 * 2^30; drop <= 14 */
-            f = f >> 32 ? UINT32_MAX : f;
-            b->radiance[i][k] = fx_add_sat(b->radiance[i][k], fx_sat31((f * (uint32_t)nl) >> 15));
-        }
+        lit++;
+        uint32_t nl = (uint32_t)fx_min(p.nl, (1 << 30) - 1) << 2; /* Q32 */
+        uint32_t x = 2 * (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb));
+        uint32_t power = fx_mulhi_u(raster_lobe_at(lobe, x) << 5, nl); /* Q32 */
+        uint32_t s[3];
+        for (int k = 0; k < 3; k++)
+            s[k] = fx_mulhi_u(specular[k], power);
+        if (drop) /* < 2^31 before; saturates at 2^31 - 1 */
+            for (int k = 0; k < 3; k++)
+                s[k] = s[k] >> (31 - drop) ? INT32_MAX : s[k] << drop;
+        for (int k = 0; k < 3; k++)
+            s[k] = fx_add_sat(s[k], fx_mulhi_u(diffuse[k], nl));
+        raster_add(b->radiance[i], s[0], s[1], s[2]);
     }
-    return count;
+    return lit;
 }

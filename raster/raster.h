@@ -78,9 +78,12 @@ struct raster_visible; /* a meshlet that survived culling, in the arena */
 struct raster_node;    /* an entry of a tile's list, in the arena */
 
 struct raster_light {
-    struct vec3 direction;   /* eye space */
-    uq16_16_t irradiance[3]; /* times exposure */
+    struct vec3 v; /* eye space: the unit vector towards a directional light, Q15; a point light's position, q16_16 */
+    uq16_16_t irradiance[3]; /* times exposure; a point light's intensity */
+    uq16_16_t radius;        /* of a point light; 0: directional */
 };
+
+struct raster_lobe; /* a power function by table, in the arena */
 
 /* From a pixel to the direction of its view ray, see raster_view_vector. */
 struct raster_view {
@@ -98,10 +101,15 @@ struct raster {
     uint16_t *heads; /* per tile: first node, 0 = none */
     uint32_t object_count, visible_count, node_count;
     uint16_t tiles_x, tiles_y;
-    uint16_t width, height; /* of the grid of samples */
-    uint8_t sample_shift;   /* 1 with 4 samples per pixel, else 0 */
-    struct raster_light lights[SCENE_MAX_LIGHTS];
+    uint16_t width, height;      /* of the grid of samples */
+    uint8_t sample_shift;        /* 1 with 4 samples per pixel, else 0 */
+    struct raster_light *lights; /* directional ones first, in the arena */
+    uint32_t directional;        /* how many they are */
+    struct raster_lobe *lobes;   /* of Lafortune-Phong and Blinn-Phong materials, in the arena */
+    uint8_t lobe_of_material[SCENE_MAX_MATERIALS];
+    bool in_rows[SCENE_MAX_MATERIALS]; /* materials shaded in runs of a row: without the view, or point lights */
     struct raster_view view;
+    uint8_t block_shift; /* log2 of a shading block's edge, pixels; 0: v changes too fast to be interpolated */
     size_t arena_needed; /* bytes of arena that this frame uses */
     uint32_t lod_bias;   /* how often the threshold for levels of detail was doubled to make the frame fit */
     uint32_t bad_material;
@@ -110,6 +118,7 @@ struct raster {
 /* One tile's working memory: fast RAM, one per thread. Contents are internal. */
 #define RASTER_TILE_PIXELS (RASTER_TILE_WIDTH * RASTER_TILE_HEIGHT)
 #define RASTER_BATCH       64  /* pixels of one material shaded together */
+#define RASTER_RUN_LIGHTS  16  /* most lights of a frame whose diffuse surfaces are shaded in runs */
 #define RASTER_SLOTS       128 /* meshlets of a tile between two shadings, plus one; at most 256 */
 
 struct raster_surface {
@@ -140,15 +149,20 @@ struct raster_slot {  /* a meshlet in this tile: what shading needs of it */
     uint8_t normal_shift; /* from 1/w to the normal's third coordinate */
 };
 
+/* Pixels of one material in one shading block, which is 8 x 8 pixels, aligned to the picture's corner. */
+#define RASTER_BLOCK 8
 struct raster_batch {
-    struct vec3 normal[RASTER_BATCH], view[RASTER_BATCH];
+    uint32_t normal_xy[RASTER_BATCH]; /* eye space, Q15, x in the low half */
+    int32_t normal_z[RASTER_BATCH];
+    int32_t nv[RASTER_BATCH]; /* n.v, Q30 */
     uq12_20_t radiance[RASTER_BATCH][3];
-    uint16_t pixel[RASTER_BATCH]; /* index into the tile's surface */
-    uint8_t weight[RASTER_BATCH]; /* samples of the pixel that show it */
+    uint16_t surface[RASTER_BATCH]; /* index into the tile's */
+    uint8_t position[RASTER_BATCH]; /* in the block: x | y << 3, ascending */
     uint32_t count;
     uint32_t material;
-    /* kd/pi * irradiance of a diffuse material under each light, 21 fraction bits */
-    uint32_t diffuse_colour[SCENE_MAX_LIGHTS][3];
+    uint32_t x, y; /* the block's first pixel on the screen */
+    /* kd/pi * irradiance of a material that is shaded in runs under each light, 21 fraction bits */
+    uint32_t diffuse_colour[RASTER_RUN_LIGHTS][3];
     uint32_t diffuse_material; /* whose, plus one; 0: none yet */
 };
 
@@ -163,6 +177,8 @@ struct raster_tile {
         } general;
     } m;
     int32_t spans[2 * RASTER_TILE_HEIGHT];
+    uint32_t slot_count;                           /* used, without slot 0 */
+    uint32_t light_reaches[SCENE_MAX_LIGHTS / 32]; /* point lights that may reach a surface of the tile */
     struct raster_batch batch;
 };
 

@@ -1,47 +1,19 @@
 /*
- * Deferred shading of a tile, row by row in runs of one meshlet. Pixels of one material are gathered into batches, each
- * batch is lit by every light, tone mapped and packed; a material that does not depend on the view is shaded run by run.
- * Finished pixels overwrite the surface from its start: a pixel takes 2 or 3 of the 8 bytes it had, so writing never
- * overtakes reading.
+ * Deferred shading of a tile. Surfaces that need the view are shaded block by block (block.h): pixels of one material are
+ * gathered into a batch, which is lit by every light, tone mapped and packed, and whose colours take the surface's place. Then
+ * follows a pass by rows: diffuse surfaces are shaded there, run by run of one meshlet, and finished pixels are
+ * stored from the surface's start on; a pixel takes 2 or 3 of the 8 bytes it had, so writing never overtakes reading.
  */
-#include "internal.h"
+#include "block.h"
 #include "func.h"
-
-enum target {
-    TARGET_PIXELS,  /* finished pixels from the surface's start on */
-    TARGET_SAMPLES, /* colours into the samples' own surface, slot 0 */
-    TARGET_RESOLVE  /* weighted colours, summed in the surface of a pixel's first sample */
-};
 
 struct output {
     const struct raster *r;
     struct raster_tile *t;
-    uint32_t width, height; /* pixels, or samples for TARGET_SAMPLES */
-    uint32_t x0, y0;        /* the tile's first pixel, for views */
-    enum target target;
-    uint8_t format; /* of a finished value: the frame's, but RGB888 where samples will be averaged */
+    uint32_t width, height; /* pixels */
+    uint32_t x0, y0;        /* the tile's first pixel */
+    uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
 };
-
-static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
-                                 enum target target)
-{
-    unsigned shift = target == TARGET_SAMPLES ? r->sample_shift : 0;
-    uint8_t format = r->sample_shift ? RASTER_RGB888 : r->frame.format;
-    return (struct output){.r = r,
-                           .t = t,
-                           .width = (uint32_t)rect->width << shift,
-                           .height = (uint32_t)rect->height << shift,
-                           .x0 = rect->x,
-                           .y0 = rect->y,
-                           .target = target,
-                           .format = format};
-}
-
-/* Four sums of bytes fit ten bits each. */
-static inline uint32_t spread(uint32_t bgr)
-{
-    return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
-}
 
 static inline void store_pixel(const struct output *o, uint32_t index, uint32_t value)
 {
@@ -55,96 +27,95 @@ static inline void store_pixel(const struct output *o, uint32_t index, uint32_t 
     }
 }
 
-/* `value`: a finished pixel or sample. */
-static inline void put_pixel(const struct output *o, uint32_t x, uint32_t y, uint32_t value, uint32_t weight)
-{
-    struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + x];
-    if (o->target == TARGET_PIXELS) {
-        store_pixel(o, y * o->width + x, value);
-    } else if (o->target == TARGET_SAMPLES) {
-        s->normal = value;
-        s->depth_slot &= ~(uint32_t)255;
-    } else {
-        s->normal += weight * spread(value);
-    }
-}
-
 /* A run of finished pixels. */
 static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
 {
-    if (o->target == TARGET_PIXELS && o->r->frame.format == RASTER_RGB565) {
+    if (o->r->frame.format == RASTER_RGB565) {
         uint16_t *out = (uint16_t *)o->t->surface + y * o->width + x;
         for (const uint32_t *end = values + count; values != end; values++)
             *out++ = (uint16_t)*values;
         return;
     }
     for (uint32_t i = 0; i < count; i++)
-        put_pixel(o, x + i, y, values[i], 1);
+        store_pixel(o, y * o->width + x + i, values[i]);
 }
 
-/* Adds c * 2^e * irradiance to an accumulator with 20 fraction bits, saturating. c < 2^21, irradiance uq16_16. */
-static inline uq12_20_t add_radiance(uq12_20_t sum, uint32_t c, int32_t e, uq16_16_t irradiance)
+static inline uint32_t slot_of(const struct raster_surface *s)
 {
-    uint64_t p = (uint64_t)c * irradiance; /* < 2^53; fraction bits: 16 - e, wanted: 20 */
-    int32_t down = -e - 4;
-    if (down >= 0)
-        p = down > 63 ? 0 : p >> down;
-    else
-        p = down < -11 || p >> (64 + down) ? UINT64_MAX : p << -down;
-    return fx_add_sat(sum, fx_sat31(p));
+    return s->depth_slot & 255;
 }
 
-static void shade_measured(const struct raster *r, struct raster_batch *b, const struct scene_material *m,
-                           const struct raster_light *light, struct raster_stats *stats)
+static raster_model *find_model(const struct raster *r, const struct scene_material *m)
 {
-    const struct lut_table *table = r->frame.tables[m->slot];
-    for (uint32_t i = 0; i < b->count; i++) {
-        struct lut_rgb f;
-        unsigned fetches = lut_eval(&f, table, b->normal[i], light->direction, b->view[i]);
-        if (!fetches)
-            continue;
-        stats->fetches += fetches;
-        stats->shaded++;
-        for (int k = 0; k < 3; k++)
-            b->radiance[i][k] = add_radiance(
-                b->radiance[i][k],
-                (uint32_t)((uint64_t)f.c[k] * (uint32_t)fx_min(fx_dot(b->normal[i], light->direction), 1 << 30) >> 30),
-                f.e, light->irradiance[k]);
+    switch (m->kind) {
+    case SCENE_MATERIAL_MEASURED:
+        return r->frame.tables[m->slot]->kind == LUT_HALF_VECTOR ? raster_shade_half_vector
+                                                                 : raster_shade_specular_frame;
+    case SCENE_MATERIAL_BLINN_PHONG:
+        return raster_shade_blinn_phong;
+    case SCENE_MATERIAL_METALLIC_ROUGHNESS:
+        return raster_shade_metallic_roughness;
+    default:
+        return raster_shade_lafortune_phong;
     }
 }
 
-static void flush(const struct output *o, struct raster_stats *stats)
+/* A finished pixel or sample in its surface's place, and in those of its pixel's other samples that show the same slot. */
+static void put_colour(const struct output *o, uint32_t index, uint32_t value, bool whole_pixels)
+{
+    struct raster_surface *s = &o->t->surface[index];
+    const uint32_t slot = slot_of(s);
+    if (whole_pixels && o->r->sample_shift) {
+        struct raster_surface *corner = &o->t->surface[index & ~(uint32_t)(RASTER_TILE_WIDTH + 1)];
+        for (int i = 0; i < 4; i++) {
+            struct raster_surface *other = corner + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
+            if (slot_of(other) == slot) {
+                other->normal = value;
+                other->depth_slot &= ~(uint32_t)255;
+            }
+        }
+    } else {
+        s->normal = value;
+        s->depth_slot &= ~(uint32_t)255;
+    }
+}
+
+/* What a block's batches have in common. */
+struct block {
+    struct vec3 view[4];          /* at its corners, towards the eye */
+    struct raster_plane plane[3]; /* of the view's components */
+    uint32_t x, y;                /* its first pixel in the tile */
+    bool whole_pixels;            /* samples of one pixel and slot are shaded once */
+};
+
+static void flush(const struct output *o, const struct block *k, struct raster_stats *stats)
 {
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[b->material];
-    for (unsigned l = 0; l < r->frame.light_count; l++) {
-        if (m->kind == SCENE_MATERIAL_MEASURED)
-            shade_measured(r, b, m, &r->lights[l], stats);
-        else if (m->kind == SCENE_MATERIAL_BLINN_PHONG)
-            stats->shaded += raster_shade_blinn_phong(b, m, &r->lights[l]);
-        else
-            stats->shaded += raster_shade_lafortune_phong(b, m, &r->lights[l]);
-    }
-    if (m->kind == SCENE_MATERIAL_BLINN_PHONG)
-        raster_finish_blinn_phong(b, m, r->frame.output->exposure);
+    raster_model *model = find_model(r, m);
+    uint32_t lit = 0;
+    for (unsigned l = 0; l < r->frame.light_count; l++)
+        if (!r->lights[l].radius || o->t->light_reaches[l / 32] >> l % 32 & 1)
+            lit += raster_shade_light(b, r, o->t, &r->lights[l], k->view, model);
+    stats->shaded += lit;
+    if (m->kind == SCENE_MATERIAL_MEASURED)
+        stats->fetches += 8 * lit;
+    raster_finish_ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
     raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
     for (uint32_t i = 0; i < b->count; i++)
-        put_pixel(o, b->pixel[i] % RASTER_TILE_WIDTH, b->pixel[i] / RASTER_TILE_WIDTH, value[i], b->weight[i]);
+        put_colour(o, b->surface[i], value[i], k->whole_pixels);
     b->count = 0;
 }
 
 /*
- * Interpolation turns normals of visible pixels away from the eye, near silhouettes. A table has no value there, and a black pixel beside a
- * bright one would flicker with the least movement: the normal is turned back to where n.v is 1/128.
+ * Interpolation turns normals of visible pixels away from the eye, near silhouettes. Tables and microfacets have no value there, and a
+ * black pixel beside a bright one would flicker with the least movement: the normal is turned back to where n.v is 1/128.
  */
-static struct vec3 face_viewer(struct vec3 n, struct vec3 v)
+static struct vec3 face_viewer(struct vec3 n, struct vec3 v, int32_t nv)
 {
-    const int32_t least = 32768 / 128;
-    int32_t lift = least - (fx_dot(n, v) >> 15);
-    if (lift <= 0)
-        return n;
+    const int32_t lift = 32768 / 128 - (nv >> 15);
     n = (struct vec3){n.x + (v.x * lift >> 15), n.y + (v.y * lift >> 15), n.z + (v.z * lift >> 15)};
     unsigned shift;
     uint32_t m = lut_rsqrt((uint32_t)fx_max(fx_dot(n, n), 1), &shift);
@@ -152,48 +123,136 @@ static struct vec3 face_viewer(struct vec3 n, struct vec3 v)
     return (struct vec3){n.x * k >> 15, n.y * k >> 15, n.z * k >> 15};
 }
 
-/* Adds a pixel to the batch. (x, y): where its colour goes; `sample`: where its normal is. */
-static void gather_pixel(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y,
-                         const struct raster_surface *sample, uint32_t weight, struct raster_stats *stats)
+/* The view at a pixel of the block: rounded to Q15. */
+static inline int32_t view_at(const struct raster_plane *p, uint32_t x, uint32_t y)
+{
+    return (int32_t)(p->base + x * p->dx + y * p->dy + (1u << (VIEW_PLANE_BITS - 1))) >> VIEW_PLANE_BITS;
+}
+
+/* Adds a pixel of the block to its batch; `index`: of the sample that has its normal. */
+static void gather_pixel(const struct output *o, const struct block *k, uint32_t x, uint32_t y, uint32_t index,
+                         struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
-    if (b->count == RASTER_BATCH || (b->count && b->material != slot->material))
-        flush(o, stats);
-    b->material = slot->material;
-    uint32_t i = b->count++, shift = o->r->sample_shift; /* x, y are then those of a sample */
-    b->pixel[i] = (uint16_t)(y * RASTER_TILE_WIDTH + x);
-    b->weight[i] = (uint8_t)weight;
-    b->normal[i] = raster_eye_normal(slot, sample);
-    b->view[i] = raster_view_vector(o->r, o->x0 + (x >> shift), o->y0 + (y >> shift));
-    if (o->r->frame.materials[slot->material].kind == SCENE_MATERIAL_MEASURED)
-        b->normal[i] = face_viewer(b->normal[i], b->view[i]);
+    const struct raster_surface *s = &o->t->surface[index];
+    const struct raster_slot *slot = &o->t->slots[slot_of(s)];
+    if (b->count == RASTER_BATCH)
+        flush(o, k, stats);
+    const uint32_t i = b->count++;
+    struct vec3 n = raster_eye_normal(slot, s);
+    struct vec3 v = {view_at(&k->plane[0], x, y), view_at(&k->plane[1], x, y), view_at(&k->plane[2], x, y)};
+    int32_t nv = fx_dot(n, v);
+    if (nv < 1 << 23 && o->r->frame.materials[b->material].kind != SCENE_MATERIAL_BLINN_PHONG &&
+        o->r->frame.materials[b->material].kind != SCENE_MATERIAL_LAFORTUNE_PHONG) {
+        n = face_viewer(n, v, nv);
+        nv = fx_max(fx_dot(n, v), 1 << 22);
+    }
+    b->normal_xy[i] = lanes(fx_clamp(n.x, -32767, 32767), fx_clamp(n.y, -32767, 32767));
+    b->normal_z[i] = fx_clamp(n.z, -32767, 32767);
+    b->nv[i] = nv;
+    b->surface[i] = (uint16_t)index;
+    b->position[i] = (uint8_t)(x | y * RASTER_BLOCK);
     b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }
 
-/* A run of `count` pixels of one slot, for a material that needs the view. */
-static void gather_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
-                       struct raster_stats *stats)
-{
-    for (uint32_t end = x + count; x < end; x++)
-        gather_pixel(o, slot, x, y, &o->t->surface[y * RASTER_TILE_WIDTH + x], 1, stats);
-}
-
-/* The same for a material that is shaded run by run and needs no batch of its own: runs go through the batch's radiance. A run is at
- * most a row, thus a batch, long. */
-static void shade_run(const struct output *o, const struct raster_slot *slot, uint32_t x, uint32_t y, uint32_t count,
-                      bool diffuse, struct raster_stats *stats)
+/* Gathers the block's surfaces of the first material met. Returns whether others are left. */
+static bool gather_material(const struct output *o, const struct block *k, uint32_t width, uint32_t height,
+                            struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
-    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
+    const unsigned shift = o->r->sample_shift;
+    bool left = false;
+    b->count = 0;
+    b->material = UINT32_MAX;
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++)
+            for (uint32_t i = 0; i < 1u << 2 * shift; i++) {
+                uint32_t index =
+                    (((k->y + y) << shift) + (i >> 1)) * RASTER_TILE_WIDTH + ((k->x + x) << shift) + (i & 1);
+                const struct raster_surface *s = &o->t->surface[index];
+                if (!slot_of(s))
+                    continue;
+                uint32_t material = o->t->slots[slot_of(s)].material;
+                if (o->r->in_rows[material])
+                    continue;
+                if (b->material == UINT32_MAX)
+                    b->material = material;
+                if (material != b->material) {
+                    left = true;
+                    continue;
+                }
+                const struct raster_surface *first = s - (i & 1) - (i >> 1) * RASTER_TILE_WIDTH;
+                bool again = false; /* an earlier sample of the pixel shows the same */
+                for (uint32_t j = 0; j < i && k->whole_pixels; j++)
+                    again |= slot_of(first + (j & 1) + (j >> 1) * RASTER_TILE_WIDTH) == slot_of(s);
+                if (!again)
+                    gather_pixel(o, k, x, y, index, stats);
+            }
     if (b->count)
-        flush(o, stats);
-    if (diffuse)
-        raster_shade_diffuse(b, o->r, slot, s, count);
+        flush(o, k, stats);
+    return left;
+}
+
+static void shade_block(const struct output *o, uint32_t x, uint32_t y, bool whole_pixels, struct raster_stats *stats)
+{
+    const unsigned shift = o->r->block_shift;
+    const uint32_t edge = 1u << shift, px = o->x0 + x, py = o->y0 + y;
+    struct block k = {.x = x, .y = y, .whole_pixels = whole_pixels};
+    for (uint32_t i = 0; i < 4; i++)
+        k.view[i] = raster_view_vector(o->r, px + ((i & 1) << shift), py + ((i >> 1) << shift));
+    raster_view_planes(k.plane, k.view, shift);
+    o->t->batch.x = px;
+    o->t->batch.y = py;
+    while (gather_material(o, &k, o->width - x < edge ? o->width - x : edge,
+                           o->height - y < edge ? o->height - y : edge, stats))
+        ;
+}
+
+/* Whether some slot of the tile is for blocks; and its point lights. */
+static bool prepare_blocks(const struct output *o, const struct raster_rect *rect)
+{
+    bool any = false;
+    for (uint32_t i = 1; i <= o->t->slot_count; i++)
+        any |= !o->r->in_rows[o->t->slots[i].material];
+    if (any && o->r->frame.light_count > o->r->directional)
+        raster_cull_lights(o->r, o->t, rect);
+    return any;
+}
+
+static void shade_blocks(const struct output *o, const struct raster_rect *rect, bool whole_pixels,
+                         struct raster_stats *stats)
+{
+    if (!prepare_blocks(o, rect))
+        return;
+    for (uint32_t y = 0; y < o->height; y += 1u << o->r->block_shift)
+        for (uint32_t x = 0; x < o->width; x += 1u << o->r->block_shift)
+            shade_block(o, x, y, whole_pixels, stats);
+}
+
+/* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
+static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t x, uint32_t y, uint32_t count,
+                                 struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    const struct raster_slot *info = &o->t->slots[slot];
+    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
+    if (raster_is_diffuse(&o->r->frame.materials[info->material]))
+        raster_shade_diffuse(b, o->r, info, s, count);
     else
-        raster_shade_blinn_phong_run(b, o->r, slot, s, o->x0 + x, o->y0 + y, count);
+        raster_shade_blinn_phong_run(b, o->r, info, s, o->x0 + x, o->y0 + y, count);
     raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
-    put_run(o, x, y, b->radiance[0], count);
     stats->shaded += count * o->r->frame.light_count;
+    return b->radiance[0];
+}
+
+/* How many pixels from x on have its slot. */
+static uint32_t run_length(const struct output *o, uint32_t x, uint32_t y)
+{
+    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+    uint32_t slot = slot_of(&row[x]), end = x + 1;
+    while (end < o->width && slot_of(&row[end]) == slot)
+        end++;
+    return end - x;
 }
 
 /* Pixels without a slot from x on: background, or shaded before. Returns where they end. */
@@ -202,12 +261,7 @@ static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t 
 {
     const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
     const uint32_t width = o->width;
-    if (o->target == TARGET_SAMPLES) {
-        while (x < width && !(row[x].depth_slot & 255))
-            x++;
-        return x;
-    }
-    for (; x < width && row[x].depth_slot && !(row[x].depth_slot & 255); x++, stats->covered++)
+    for (; x < width && row[x].depth_slot && !slot_of(&row[x]); x++, stats->covered++)
         store_pixel(o, y * width + x, row[x].normal);
     if (o->r->frame.format == RASTER_RGB565) {
         uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
@@ -220,102 +274,87 @@ static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t 
     return x;
 }
 
-static void shade_rows(const struct output *o, struct raster_stats *stats)
+static void finish_rows(const struct output *o, struct raster_stats *stats)
 {
-    const struct raster *r = o->r;
-    const uint32_t background = raster_background(&r->frame, o->format);
+    const uint32_t background = raster_background(&o->r->frame, o->format);
+    o->t->batch.diffuse_material = 0;
     for (uint32_t y = 0; y < o->height; y++) {
         const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
         for (uint32_t x = 0; x < o->width;) {
-            uint32_t slot = row[x].depth_slot & 255, count = 1;
-            if (!slot) {
+            if (!slot_of(&row[x])) {
                 x = plain_run(o, background, x, y, stats);
                 continue;
             }
-            while (x + count < o->width && (row[x + count].depth_slot & 255) == slot)
-                count++;
-            stats->covered += o->target == TARGET_PIXELS ? count : 0;
-            const struct raster_slot *info = &o->t->slots[slot];
-            const struct scene_material *m = &r->frame.materials[info->material];
-            bool diffuse = raster_is_diffuse(m);
-            if (!r->sample_shift && (diffuse || raster_has_blinn_phong_run(r, m)))
-                shade_run(o, info, x, y, count, diffuse, stats);
-            else
-                gather_run(o, info, x, y, count, stats);
+            uint32_t count = run_length(o, x, y);
+            stats->covered += count;
+            put_run(o, x, y, shade_run(o, slot_of(&row[x]), x, y, count, stats), count);
             x += count;
         }
     }
 }
 
-/* One pixel's four samples, s[0] first: those that have a colour already are summed into the first one's normal, the others
- * are shaded once for each slot, with the first such sample's normal. Returns whether any shows a surface. */
-static bool resolve_pixel(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
-                          struct raster_stats *stats)
+/* Four sums of bytes fit ten bits each. */
+static inline uint32_t spread(uint32_t bgr)
 {
-    struct raster_surface *first = &o->t->surface[y * RASTER_TILE_WIDTH + x];
-    const struct raster_surface s[4] = {first[0], first[1], first[RASTER_TILE_WIDTH], first[RASTER_TILE_WIDTH + 1]};
-    uint32_t sum = 0;
-    bool covered = false;
-    for (int i = 0; i < 4; i++) {
-        if (!(s[i].depth_slot & 255))
-            sum += spread(s[i].depth_slot ? s[i].normal : background);
-        covered |= s[i].depth_slot != 0;
-    }
-    first->normal = sum;
-    for (int i = 0; i < 4; i++) {
-        uint32_t slot = s[i].depth_slot & 255, weight = 0;
-        for (int k = 0; k < 4 && slot; k++) {
-            bool same = (s[k].depth_slot & 255) == slot;
-            if (same && k < i)
-                slot = 0; /* shaded with the earlier sample */
-            weight += same;
-        }
-        if (slot)
-            gather_pixel(o, &o->t->slots[slot], x, y, &s[i], weight, stats);
-    }
-    return covered;
+    return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
 }
 
-static void resolve_tile(const struct output *o, struct raster_stats *stats)
+/* The mean of each pixel's four samples. */
+static void finish_samples(const struct output *o, struct raster_stats *stats)
 {
     const uint32_t background = raster_background(&o->r->frame, RASTER_RGB888);
     for (uint32_t y = 0; y < o->height; y++)
-        for (uint32_t x = 0; x < o->width; x++)
-            stats->covered += resolve_pixel(o, background, 2 * x, 2 * y, stats);
-    if (o->t->batch.count)
-        flush(o, stats);
-    for (uint32_t y = 0; y < o->height; y++)
         for (uint32_t x = 0; x < o->width; x++) {
-            uint32_t sum =
-                o->t->surface[2 * y * RASTER_TILE_WIDTH + 2 * x].normal + 0x00200802u; /* 2 in each, to round */
+            const struct raster_surface *s = &o->t->surface[2 * y * RASTER_TILE_WIDTH + 2 * x];
+            uint32_t sum = 0x00200802u, covered = 0; /* 2 in each, to round */
+            for (int i = 0; i < 4; i++) {
+                const struct raster_surface *sample = s + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
+                sum += spread(sample->depth_slot ? sample->normal : background);
+                covered |= sample->depth_slot;
+            }
+            stats->covered += covered != 0;
             uint32_t bgr = (sum >> 2 & 0xff) | (sum >> 4 & 0xff00) | (sum >> 6 & 0xff0000);
             store_pixel(o, y * o->width + x, raster_pack(bgr, o->r->frame.format));
         }
 }
 
-static void shade(const struct output *o, struct raster_stats *stats)
+static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
 {
-    o->t->batch.count = 0;
-    o->t->batch.diffuse_material = 0;
-    if (o->target == TARGET_RESOLVE) {
-        resolve_tile(o, stats);
-        return;
-    }
-    shade_rows(o, stats);
-    if (o->t->batch.count)
-        flush(o, stats);
+    return (struct output){.r = r,
+                           .t = t,
+                           .width = rect->width,
+                           .height = rect->height,
+                           .x0 = rect->x,
+                           .y0 = rect->y,
+                           .format = r->sample_shift ? RASTER_RGB888 : r->frame.format};
 }
 
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect, r->sample_shift ? TARGET_RESOLVE : TARGET_PIXELS);
-    shade(&o, stats);
+    const struct output o = make_output(r, t, rect);
+    shade_blocks(&o, rect, true, stats);
+    if (r->sample_shift)
+        finish_samples(&o, stats);
+    else
+        finish_rows(&o, stats);
 }
 
 void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect, TARGET_SAMPLES);
-    shade(&o, stats);
+    const struct output o = make_output(r, t, rect);
+    shade_blocks(&o, rect, false, stats);
+    t->batch.diffuse_material = 0;
+    for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
+        for (uint32_t x = 0; x < o.width;) {
+            const uint32_t index = y * RASTER_TILE_WIDTH + x, slot = slot_of(&t->surface[index]);
+            const uint32_t count = slot ? run_length(&o, x, y) : 1;
+            if (slot) {
+                const uint32_t *value = shade_run(&o, slot, x, y, count, stats);
+                for (uint32_t i = 0; i < count; i++)
+                    put_colour(&o, index + i, value[i], false);
+            }
+            x += count;
+        }
 }

@@ -106,6 +106,7 @@ void raster_render_tile(const struct raster *r, uint32_t index, struct raster_ti
     for (uint32_t node = r->heads[index]; node;) {
         const struct raster_node *n = r->nodes - node;
         if (slot == RASTER_SLOTS - 1) { /* all slots taken: shade what is visible so far and go on */
+            work->slot_count = slot;
             raster_shade_samples(r, work, rect, stats);
             slot = 0;
         }
@@ -113,5 +114,6 @@ void raster_render_tile(const struct raster *r, uint32_t index, struct raster_ti
         stats->meshlets++;
         node = n->next;
     }
+    work->slot_count = slot;
     raster_shade_tile(r, work, rect, stats);
 }

@@ -1,0 +1,154 @@
+/*
+ * Shading of a block: up to 8 x 8 pixels, aligned to the picture's corner, of one material, by one light at a time.
+ *
+ * Every model here is a function of n.l, n.v and of the normal's components along two directions that depend on l and v
+ * alone: with h = (l+v)/|l+v| and theta_d the angle between l and h,
+ *   a = (l-v)/|l-v|, b = (l x v)/|l x v|, orthonormal together with h:   l, v = cos(theta_d) h +- sin(theta_d) a
+ *   sin^2 theta_h    = (n.a)^2 + (n.b)^2                                 Blinn-Phong, microfacets, half-vector table
+ *   1 - v.r          = 2 ((n.a)^2 + cos^2(theta_d) (n.b)^2)              r the mirror direction of l: Phong, specular frame
+ * so that no difference of near-equal numbers, no root and no tangent frame is needed at a pixel, and the lobe's centre keeps
+ * its bits. a, b and what else depends on v alone are found at the block's four corners and taken as linear between them
+ * (a plane through them by least squares), v itself never as constant.
+ *
+ * Bound: v turns by at most 2^-4 over a block's edge (else blocks are smaller), a and b by that over |l x v|. A
+ * chord is off by at most 1/8 of the turn's square: v by 2^-11, a and b by 2^-10 where |l x v| is 11 times the turn. Where it
+ * is less, and for point lights, every pixel is a block of its own.
+ */
+#ifndef RASTER_BLOCK_H
+#define RASTER_BLOCK_H
+
+#include "internal.h"
+
+/* A quantity at pixel (x, y) of the block: base + x dx + y dy. Two of 16 bits in one word: the carry out of the lower is kept,
+ * which is worth one unit of the upper. */
+struct raster_plane {
+    uint32_t base, dx, dy;
+};
+
+#define VIEW_PLANE_BITS 10 /* more than Q15 */
+#define TERM_D_BITS     20 /* of the half-vector table's d coordinate */
+
+enum { PLANE_A_XY, PLANE_B_XY, PLANE_AB_Z, PLANE_TERM, PLANE_COUNT };
+
+struct raster_block_light {
+    struct raster_plane
+        plane[PLANE_COUNT]; /* a and b: Q15, x and a.z in the low halves; the term: see term_find, light.c */
+    uint32_t l_xy;          /* Q15 */
+    int32_t l_z;
+    uint32_t inv_lv;     /* 1/|l-v|, 1.0 = 2^28, mean of the corners, at most 8 */
+    uq16_16_t colour[3]; /* irradiance at the pixels; attenuated for point lights */
+};
+
+/* What models are evaluated from; see above. */
+struct raster_pixel {
+    int32_t nl;     /* Q30 */
+    int32_t na, nb; /* Q30; b scaled for some models */
+    uint32_t term;
+};
+
+static inline int32_t lane_low(uint32_t x)
+{
+    return (int16_t)(uint16_t)x;
+}
+
+static inline int32_t lane_high(uint32_t x)
+{
+    return (int32_t)x >> 16;
+}
+
+static inline uint32_t lanes(int32_t low, int32_t high)
+{
+    return ((uint32_t)low & 0xffff) | (uint32_t)high << 16;
+}
+
+/* Walks over a batch: planes at the current row's first pixel. */
+struct raster_walk {
+    uint32_t row[PLANE_COUNT];
+    uint32_t y; /* of the row, RASTER_BLOCK at first */
+};
+
+/* False for a pixel that the light does not reach, unless `behind` asks for those too. |n.l|, |n.a|, |n.b| <= 2^30 (1 + 2^-12) for vectors of Q15 that are of unit
+ * length within 2^-13. */
+static inline bool raster_walk_pixel(struct raster_pixel *p, struct raster_walk *w, const struct raster_batch *b,
+                                     const struct raster_block_light *light, uint32_t i, bool behind)
+{
+    const uint32_t n_xy = b->normal_xy[i];
+    const int32_t nx = lane_low(n_xy), ny = lane_high(n_xy), nz = b->normal_z[i];
+    p->nl = nx * lane_low(light->l_xy) + ny * lane_high(light->l_xy) + nz * light->l_z;
+    if (p->nl <= 0 && !behind)
+        return false;
+    const uint32_t x = b->position[i] % RASTER_BLOCK, y = b->position[i] / RASTER_BLOCK;
+    if (y != w->y) {
+        w->y = y;
+        for (int k = 0; k < PLANE_COUNT; k++)
+            w->row[k] = light->plane[k].base + y * light->plane[k].dy;
+    }
+    const uint32_t a_xy = w->row[PLANE_A_XY] + x * light->plane[PLANE_A_XY].dx;
+    const uint32_t b_xy = w->row[PLANE_B_XY] + x * light->plane[PLANE_B_XY].dx;
+    const uint32_t ab_z = w->row[PLANE_AB_Z] + x * light->plane[PLANE_AB_Z].dx;
+    p->na = nx * lane_low(a_xy) + ny * lane_high(a_xy) + nz * lane_low(ab_z);
+    p->nb = nx * lane_low(b_xy) + ny * lane_high(b_xy) + nz * lane_high(ab_z);
+    p->term = w->row[PLANE_TERM] + x * light->plane[PLANE_TERM].dx;
+    return true;
+}
+
+/* (1-x)^m for x = 0..1 by table: with y = 2^shift x, 2^shift the power of two at or above m, nodes stand at
+ * y + 2^-5 = 2^(k/16 - 5) (1 + (k%16)/16); linear between, 0 from 16 on. Error below 4e-4 of the peak. */
+#define LOBE_NODES 145
+struct raster_lobe {
+    uint16_t node[LOBE_NODES]; /* 1.0 = 65535 */
+    uint16_t shift;
+    uint32_t offset; /* 2^-5 in x, 1.0 = 2^28 */
+};
+
+/* In: m uq16_16, at most 2^12. */
+void raster_lobe_setup(struct raster_lobe *l, uint32_t m);
+
+/* 1.0 = 65535 << 11. In: x with 1.0 = 2^28, at most 8. */
+static inline uint32_t raster_lobe_at(const struct raster_lobe *l, uint32_t x)
+{
+    x += l->offset;
+    if (x >> 1 >> (31 - l->shift))
+        return 0;
+    x <<= l->shift;
+    unsigned zeros = fx_clz(x); /* 0 .. 8 */
+    x <<= zeros;
+    const uint16_t *node = l->node + 16 * (8 - zeros) + (x >> 27 & 15);
+    return ((uint32_t)node[0] << 11) - (uint32_t)(node[0] - node[1]) * (x >> 16 & 0x7ff);
+}
+
+/* Adds to a pixel's radiance and keeps it below 2^31. In: each term < 2^31. */
+static inline void raster_add(uq12_20_t radiance[3], uint32_t red, uint32_t green, uint32_t blue)
+{
+    red += radiance[0];
+    green += radiance[1];
+    blue += radiance[2];
+    if ((red | green | blue) >> 31) {
+        red = red >> 31 ? INT32_MAX : red;
+        green = green >> 31 ? INT32_MAX : green;
+        blue = blue >> 31 ? INT32_MAX : blue;
+    }
+    radiance[0] = red;
+    radiance[1] = green;
+    radiance[2] = blue;
+}
+
+/* Planes of v's components over a block, Q15 with VIEW_PLANE_BITS more, from the corners' view vectors. */
+void raster_view_planes(struct raster_plane out[3], const struct vec3 view[4], unsigned shift);
+
+/* The models: each adds one light's reflected radiance to pixels first .. end-1 of a batch and returns how many of them it
+ * reaches. */
+typedef uint32_t raster_model(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+                              const struct raster_block_light *light);
+raster_model raster_shade_half_vector;     /* measured */
+raster_model raster_shade_specular_frame;  /* measured */
+raster_model raster_shade_lafortune_phong; /* b is scaled by cos(theta_d), as for the former */
+raster_model raster_shade_blinn_phong;
+raster_model raster_shade_metallic_roughness;
+
+/* light.c: lights a batch by one light: planes over the block where they hold, else pixel by pixel. In: view vectors at the
+ * block's corners. Returns pixels lit. */
+uint32_t raster_shade_light(struct raster_batch *b, const struct raster *r, const struct raster_tile *t,
+                            const struct raster_light *light, const struct vec3 view[4], raster_model *model);
+
+#endif

@@ -1,0 +1,363 @@
+/*
+ * Lights of a frame, and of a block: from one light and the corners' view vectors to what block.h's models need.
+ */
+#include "block.h"
+#include "func.h"
+#include "point_light.h"
+
+#define MAX_BLOCK_ANGLE 4  /* 2^-4 radians */
+#define LEAST_CROSS     11 /* of |l x v|, in units of the block's angle */
+
+static size_t align8(size_t bytes)
+{
+    return (bytes + 7) & ~(size_t)7;
+}
+
+static bool has_lobe(const struct scene_material *m)
+{
+    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG || m->kind == SCENE_MATERIAL_BLINN_PHONG;
+}
+
+size_t raster_light_bytes(const struct raster_frame *f)
+{
+    uint32_t lobes = 0;
+    for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
+        lobes += has_lobe(&f->materials[i]);
+    return align8(f->light_count * sizeof(struct raster_light)) + align8(lobes * sizeof(struct raster_lobe));
+}
+
+/* A world direction, Q30, in eye space, Q15. */
+static struct vec3 eye_direction(const struct scene_camera *c, const q2_30_t v[3])
+{
+    int32_t d[3];
+    for (int j = 0; j < 3; j++) { /* Q60 */
+        int64_t q60 = (int64_t)c->rotation[3 * j] * v[0] + (int64_t)c->rotation[3 * j + 1] * v[1] +
+                      (int64_t)c->rotation[3 * j + 2] * v[2];
+        d[j] = (int32_t)((q60 + ((int64_t)1 << 44)) >> 45);
+    }
+    return (struct vec3){d[0], d[1], d[2]};
+}
+
+static void add_light(struct raster *r, struct raster_light *out, const struct scene_light *l)
+{
+    out->radius = l->kind == SCENE_LIGHT_POINT ? l->radius : 0;
+    if (out->radius)
+        raster_light_position(&out->v, r->frame.camera, l->position);
+    else
+        out->v = eye_direction(r->frame.camera, l->direction);
+    for (int j = 0; j < 3; j++) {
+        uint64_t e = (uint64_t)l->irradiance[j] * r->frame.output->exposure >> 16;
+        out->irradiance[j] = e > UINT32_MAX ? UINT32_MAX : (uint32_t)e;
+    }
+}
+
+void raster_light_setup(struct raster *r)
+{
+    const struct raster_frame *f = &r->frame;
+    struct raster_light *next = r->lights;
+    for (unsigned i = 0; i < f->light_count; i++)
+        if (f->lights[i].kind == SCENE_LIGHT_DIRECTIONAL)
+            add_light(r, next++, &f->lights[i]);
+    r->directional = (uint32_t)(next - r->lights);
+    for (unsigned i = 0; i < f->light_count; i++)
+        if (f->lights[i].kind != SCENE_LIGHT_DIRECTIONAL)
+            add_light(r, next++, &f->lights[i]);
+
+    bool run = f->light_count == r->directional && r->directional <= RASTER_RUN_LIGHTS && !r->sample_shift;
+    for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
+        r->in_rows[i] = run && (raster_is_diffuse(&f->materials[i]) || raster_has_blinn_phong_run(r, &f->materials[i]));
+
+    uint8_t *end = (uint8_t *)r->lights + align8(f->light_count * sizeof *r->lights);
+    r->lobes = (struct raster_lobe *)(void *)end;
+    uint8_t count = 0;
+    for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
+        if (has_lobe(&f->materials[i])) { /* (n.h)^n is (1 - sin^2)^(n/2) */
+            bool blinn = f->materials[i].kind == SCENE_MATERIAL_BLINN_PHONG;
+            r->lobe_of_material[i] = count;
+            raster_lobe_setup(&r->lobes[count++], f->materials[i].exponent >> blinn);
+        }
+}
+
+void raster_lobe_setup(struct raster_lobe *l, uint32_t m)
+{
+    l->shift = 0;
+    while (l->shift < 12 && m > 1u << (16 + l->shift))
+        l->shift++;
+    l->offset = 1u << 23 >> l->shift;
+    for (uint32_t k = 0; k < LOBE_NODES; k++) {
+        uint32_t y = k == LOBE_NODES - 1 ? UINT32_MAX : (16 + k % 16) << 19 << k / 16; /* 1.0 = 2^28; below 16 */
+        uint32_t x = (y >> l->shift) - l->offset, power = m ? 0 : 1u << 30;
+        if (x < 1u << 28 && m) {
+            uint64_t e = (uint64_t)((28u << 25) - lut_log2((1u << 28) - x)) * m >> 16; /* < 2^30 2^12 */
+            power = lut_exp2_neg(e > UINT32_MAX ? UINT32_MAX : (uint32_t)e);           /* 1.0 = 2^30 */
+        }
+        l->node[k] = (uint16_t)(((uint64_t)power * 65535 + (1u << 29)) >> 30);
+    }
+}
+
+void raster_cull_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+{
+    uint32_t nearest = 0, farthest = UINT32_MAX;
+    for (const struct raster_surface *s = t->surface; s != t->surface + RASTER_TILE_PIXELS; s++) {
+        uint32_t depth = s->depth_slot >> 8;
+        if (depth) {
+            nearest = depth > nearest ? depth : nearest;
+            farthest = depth < farthest ? depth : farthest;
+        }
+    }
+    struct raster_light_box box;
+    raster_light_box_setup(&box, r, rect, nearest, farthest);
+    for (uint32_t i = 0; i < SCENE_MAX_LIGHTS / 32; i++)
+        t->light_reaches[i] = 0;
+    for (uint32_t i = r->directional; i < r->frame.light_count; i++)
+        if (raster_light_box_reached(&box, &r->lights[i].v, r->lights[i].radius))
+            t->light_reaches[i / 32] |= 1u << i % 32;
+}
+
+uint8_t raster_block_shift(const struct raster_view *v)
+{
+    /* A pixel's angle is at most 2 step / axis, the step with VIEW_STEP_BITS more bits. */
+    uint8_t shift = 3;
+    while (shift > 0 && (uint64_t)v->step << (shift + 1 + MAX_BLOCK_ANGLE) >> VIEW_STEP_BITS > (uint32_t)v->axis)
+        shift--;
+    return shift;
+}
+
+/* What depends on l and v. */
+struct corner {
+    struct vec3 a, b;      /* Q15 */
+    uint32_t sine, cosine; /* of theta_d, 1.0 = 2^27 */
+    uint32_t inv_lv;       /* 1.0 = 2^28, at most 8 */
+};
+
+/* (|x|/2)^2, Q30, at least 1. In: |component| < 2^16, Q15. */
+static uint32_t half_square(struct vec3 x)
+{
+    uint32_t s = fx_square(x.x) / 4 + fx_square(x.y) / 4 + fx_square(x.z) / 4;
+    return s ? s : 1;
+}
+
+static struct vec3 limited(int32_t x, int32_t y, int32_t z)
+{
+    const int32_t most = 65535;
+    return (struct vec3){fx_clamp(x, -most, most), fx_clamp(y, -most, most), fx_clamp(z, -most, most)};
+}
+
+/* a b - c d, Q30 to Q15; 2^31 is not reached by unit vectors within 2^-12. */
+static inline int32_t cross15(int32_t a, int32_t b, int32_t c, int32_t d)
+{
+    return (a * b - c * d + (1 << 14)) >> 15;
+}
+
+/* h 2^(16-cs) mc to h/(2 cos), Q15. */
+static inline int32_t unit15(int32_t h, int32_t mc)
+{
+    return (fx_mulhi(h * 32, mc) + 8) >> 4;
+}
+
+static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
+{
+    struct vec3 h = limited(l.x + v.x, l.y + v.y, l.z + v.z);
+    uint32_t c2 = half_square(h), s2 = half_square(limited(l.x - v.x, l.y - v.y, l.z - v.z));
+    unsigned cs, ss; /* 1/cos = mc 2^-(14+cs), 2^15 cos in 2^(cs-1) .. 2^cs; likewise the sine */
+    int32_t mc = (int32_t)(lut_rsqrt(c2, &cs) >> 1), ms = (int32_t)(lut_rsqrt(s2, &ss) >> 1);
+    out->cosine = (uint32_t)((uint64_t)c2 * (uint32_t)mc >> (17 + cs));
+    out->sine = (uint32_t)((uint64_t)s2 * (uint32_t)ms >> (17 + ss));
+    out->inv_lv = ss < 12 ? 1u << 31 : (uint32_t)ms << 1 >> (ss - 12);
+    /* b = l x v / (2 sin cos): first l x v / (2 cos), Q27, at most the sine, below 2^(ss+12); |l x v| <= 2^(cs+16) */
+    const int32_t up_c = 1 << (16 - cs), up_s = 1 << (16 - ss);
+    int32_t b[3] = {l.y * v.z - l.z * v.y, l.z * v.x - l.x * v.z, l.x * v.y - l.y * v.x};
+    for (int i = 0; i < 3; i++) {
+        int32_t y = fx_mulhi((b[i] >> 2) * up_c, mc);
+        b[i] = fx_clamp((fx_mulhi(y * up_s, ms) + 512) >> 10, -32767, 32767); /* Q25 to Q15 */
+    }
+    out->b = (struct vec3){b[0], b[1], b[2]};
+    h = (struct vec3){unit15(h.x * up_c, mc), unit15(h.y * up_c, mc), unit15(h.z * up_c, mc)}; /* <= 2^17 */
+    out->a = (struct vec3){cross15(h.y, b[2], h.z, b[1]), cross15(h.z, b[0], h.x, b[2]), cross15(h.x, b[1], h.y, b[0])};
+}
+
+/* The quantity besides a and b that a material's model takes from l and v. */
+static uint32_t term_find(const struct raster *r, const struct scene_material *m, const struct corner *c)
+{
+    if (m->kind == SCENE_MATERIAL_MEASURED) {
+        const struct lut_table *t = r->frame.tables[m->slot];
+        if (t->kind == LUT_HALF_VECTOR) /* coordinate on the d axis, TERM_D_BITS */
+            return lut_d_coordinate(t, c->sine, c->cosine) >> (LUT_D_BITS - TERM_D_BITS);
+        return c->sine;
+    }
+    if (m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS) { /* Schlick's (1 - cos)^5, Q27 */
+        uint32_t x = (1u << 27) - (c->cosine < 1u << 27 ? c->cosine : 1u << 27);
+        uint32_t x2 = fx_mulhi_u(x << 4, x << 1), x4 = fx_mulhi_u(x2 << 4, x2 << 1);
+        return fx_mulhi_u(x4 << 4, x << 1);
+    }
+    return 0;
+}
+
+/* The largest it may be anywhere in a block. */
+static int32_t term_limit(const struct raster *r, const struct scene_material *m)
+{
+    if (m->kind == SCENE_MATERIAL_MEASURED && r->frame.tables[m->slot]->kind == LUT_HALF_VECTOR)
+        return (int32_t)((r->frame.tables[m->slot]->depth - 1) << TERM_D_BITS) - 1;
+    return 1 << 27;
+}
+
+/* Models that take b cos(theta_d). */
+static bool scales_b(const struct raster *r, const struct scene_material *m)
+{
+    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG ||
+           (m->kind == SCENE_MATERIAL_MEASURED && r->frame.tables[m->slot]->kind == LUT_SPECULAR_FRAME);
+}
+
+static void scale_b(struct corner *c)
+{
+    int32_t k = (int32_t)(c->cosine >> 12); /* Q15 */
+    c->b = (struct vec3){c->b.x * k >> 15, c->b.y * k >> 15, c->b.z * k >> 15};
+}
+
+/* A plane by least squares through the values at the corners (0,0), (e,0), (0,e), (e,e), e = 2^shift, kept within lo .. hi at
+ * the pixels 0 .. e-1. In: 1 <= shift <= 3. */
+struct slope {
+    int32_t base, dx, dy;
+};
+
+static struct slope slope_fit(const int32_t p[4], unsigned shift, int32_t lo, int32_t hi)
+{
+    const int32_t last = (1 << shift) - 1;
+    struct slope s; /* |p| <= 2^28 */
+    s.dx = (p[1] - p[0] + p[3] - p[2] + (1 << shift)) >> (shift + 1);
+    s.dy = (p[2] - p[0] + p[3] - p[1] + (1 << shift)) >> (shift + 1);
+    s.base = ((p[0] + p[1] + p[2] + p[3] + 2) >> 2) - (s.dx + s.dy) * (1 << shift) / 2;
+    int32_t least = s.base + last * (fx_min(s.dx, 0) + fx_min(s.dy, 0));
+    int32_t most = s.base + last * (fx_max(s.dx, 0) + fx_max(s.dy, 0));
+    s.base += least < lo ? lo - least : most > hi ? hi - most : 0;
+    return s;
+}
+
+/* Of unit vectors' components: one in each half of the words. */
+static struct raster_plane plane_lanes(const int32_t low[4], const int32_t high[4], unsigned shift)
+{
+    struct slope l = slope_fit(low, shift, -32767, 32767), h = slope_fit(high, shift, -32767, 32767);
+    return (struct raster_plane){(uint32_t)l.base + ((uint32_t)h.base << 16), (uint32_t)l.dx + ((uint32_t)h.dx << 16),
+                                 (uint32_t)l.dy + ((uint32_t)h.dy << 16)};
+}
+
+#define LANES(low, high)                                                                                               \
+    plane_lanes((const int32_t[4]){c[0].low, c[1].low, c[2].low, c[3].low},                                            \
+                (const int32_t[4]){c[0].high, c[1].high, c[2].high, c[3].high}, shift)
+
+/* One pixel's block: no slopes. */
+static void planes_constant(struct raster_block_light *out, const struct corner *c, uint32_t term)
+{
+    const uint32_t value[PLANE_COUNT] = {lanes(c->a.x, c->a.y), lanes(c->b.x, c->b.y), lanes(c->a.z, c->b.z), term};
+    for (int k = 0; k < PLANE_COUNT; k++)
+        out->plane[k] = (struct raster_plane){value[k], 0, 0};
+    out->inv_lv = c->inv_lv;
+}
+
+static void set_direction(struct raster_block_light *out, struct vec3 l)
+{
+    out->l_xy = lanes(fx_clamp(l.x, -32767, 32767), fx_clamp(l.y, -32767, 32767));
+    out->l_z = fx_clamp(l.z, -32767, 32767);
+}
+
+/* Exactly what a corner has, at every pixel of the batch in turn. Point lights reach with what their distance leaves. */
+static uint32_t shade_pixels(struct raster_batch *b, const struct raster *r, const struct raster_tile *t,
+                             const struct raster_light *light, raster_model *model)
+{
+    const struct scene_material *m = &r->frame.materials[b->material];
+    struct raster_block_light out;
+    uint32_t lit = 0;
+    for (uint32_t i = 0; i < b->count; i++) {
+        uint32_t x = b->x + b->position[i] % RASTER_BLOCK, y = b->y + b->position[i] / RASTER_BLOCK;
+        uint32_t attenuation = 1u << 30;
+        struct vec3 l = light->v;
+        struct corner c;
+        if (light->radius) {
+            struct vec3 p = raster_surface_point(r, x, y, t->surface[b->surface[i]].depth_slot >> 8);
+            if (!raster_point_light(&l, &attenuation, &light->v, light->radius, p))
+                continue;
+        }
+        for (int k = 0; k < 3; k++)
+            out.colour[k] = (uint32_t)((uint64_t)light->irradiance[k] * attenuation >> 30);
+        corner_find(&c, l, raster_view_vector(r, x, y));
+        uint32_t term = term_find(r, m, &c);
+        if (scales_b(r, m))
+            scale_b(&c);
+        planes_constant(&out, &c, term);
+        set_direction(&out, l);
+        lit += model(b, i, i + 1, r, &out);
+    }
+    return lit;
+}
+
+/* Whether planes hold for this light over the block. In: its corners. */
+static bool block_is_regular(const struct raster *r, const struct corner c[4])
+{
+    /* |l x v| = 2 sin cos, Q27 here, against LEAST_CROSS times the block's angle, 2^shift 2 step / axis */
+    uint32_t least = UINT32_MAX;
+    for (int i = 0; i < 4; i++) {
+        uint32_t cross = fx_mulhi_u(c[i].sine << 4, c[i].cosine << 2);
+        least = cross < least ? cross : least;
+    }
+    uint64_t angle = (uint64_t)r->view.step * (2 * LEAST_CROSS) << (27 - VIEW_STEP_BITS) << r->block_shift;
+    return (uint64_t)least * (uint32_t)r->view.axis >= angle;
+}
+
+uint32_t raster_shade_light(struct raster_batch *b, const struct raster *r, const struct raster_tile *t,
+                            const struct raster_light *light, const struct vec3 view[4], raster_model *model)
+{
+    const struct scene_material *m = &r->frame.materials[b->material];
+    const unsigned shift = r->block_shift;
+    struct corner c[4];
+    if (light->radius || !shift)
+        return shade_pixels(b, r, t, light, model);
+    for (int i = 0; i < 4; i++)
+        corner_find(&c[i], light->v, view[i]);
+    if (!block_is_regular(r, c))
+        return shade_pixels(b, r, t, light, model);
+
+    struct raster_block_light out;
+    int32_t term[4];
+    out.inv_lv = 0;
+    for (int i = 0; i < 4; i++) {
+        term[i] = (int32_t)term_find(r, m, &c[i]);
+        if (scales_b(r, m))
+            scale_b(&c[i]);
+        out.inv_lv += c[i].inv_lv >> 2;
+    }
+    out.plane[PLANE_A_XY] = LANES(a.x, a.y);
+    out.plane[PLANE_B_XY] = LANES(b.x, b.y);
+    out.plane[PLANE_AB_Z] = LANES(a.z, b.z);
+    struct slope s = slope_fit(term, shift, 0, term_limit(r, m));
+    out.plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
+    for (int k = 0; k < 3; k++)
+        out.colour[k] = light->irradiance[k];
+    set_direction(&out, light->v);
+    return model(b, 0, b->count, r, &out);
+}
+
+void raster_view_planes(struct raster_plane out[3], const struct vec3 view[4], unsigned shift)
+{
+    for (int k = 0; k < 3; k++) {
+        int32_t p[4];
+        for (int i = 0; i < 4; i++)
+            p[i] = (k == 0 ? view[i].x : k == 1 ? view[i].y : view[i].z) * (1 << VIEW_PLANE_BITS);
+        struct slope s = shift ? slope_fit(p, shift, INT32_MIN, INT32_MAX) : (struct slope){p[0], 0, 0};
+        out[k] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
+    }
+}
+
+void raster_finish_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure)
+{
+    const bool blinn = m->kind == SCENE_MATERIAL_BLINN_PHONG;
+    if (!blinn && m->kind != SCENE_MATERIAL_METALLIC_ROUGHNESS)
+        return;
+    uint32_t ambient[3];
+    for (int k = 0; k < 3; k++) /* 0.02 pi, 0.05 pi */
+        ambient[k] = raster_diffuse_colour(m->kd[k], fx_mulhi_u(exposure, blinn ? 269860937 : 674652343));
+    for (uint32_t i = 0; i < b->count; i++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t c = fx_add_sat(b->radiance[i][k], ambient[k]);
+            b->radiance[i][k] = blinn && c > 1u << 20 ? 1u << 20 : c;
+        }
+}
