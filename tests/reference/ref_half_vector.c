@@ -121,10 +121,12 @@ double ref_half_eval(double rgb[3], const struct ref_table *t, const double n[3]
 
 void ref_half_warp(struct ref_half *f, double width)
 {
+    const double horizon = 0.25; /* the share of rows in equal steps of cos(theta_h), which g follows at the horizon */
     for (unsigned k = 0; k < REF_WARP_H; k++) {
-        double sine = sqrt(warp_h_node(k) - warp_h_node(0));
-        f->warp_h[k] =
-            (uint16_t)lrint(512 * (f->h - 1) * asinh(sine / width) / asinh(sqrt(1 - warp_h_node(0)) / width));
+        double square = fmin(warp_h_node(k) - warp_h_node(0), 1), last = 1 - warp_h_node(0);
+        double lobe = asinh(sqrt(square) / width) / asinh(sqrt(last) / width);
+        double row = (1 - horizon) * lobe + horizon * (1 - sqrt(1 - square)) / (1 - sqrt(1 - last));
+        f->warp_h[k] = (uint16_t)lrint(512 * (f->h - 1) * row);
     }
     for (unsigned k = 0; k < REF_WARP_D; k++)
         f->warp_d[k] = (uint16_t)lrint(512 * (f->d - 1) * warp_d_node(k));

@@ -83,8 +83,8 @@ struct ref_half {
     int slabs;                                       /* 1: with the re-packed copy */
 };
 
-/* Warps for lobes of this width (sine of the half angle): rows close together up to it and in equal ratios beyond; planes in
- * equal steps. */
+/* Warps for lobes of this width (sine of the half angle): rows close together up to it and in equal ratios beyond, a quarter of
+ * them for the horizon; planes in equal steps. */
 void ref_half_warp(struct ref_half *f, double width);
 
 void ref_half_keys(struct ref_keys *k, const struct ref_half *f);
