@@ -152,7 +152,7 @@ $(B)/goniotile_oiio.so: host_tools/oiio_shim.cc host_tools/oiio_shim.h
 
 # --- the demo's scene and tables, also what golden and budget tests and the benchmark render ---
 MATERIALS := matte_white plastic_red gold plastic_blue_rough copper_satin satin_green
-demo-data: $(B)/demo/six_models.blob $(MATERIALS:%=$(B)/demo/%.ktx2)
+demo-data: $(B)/demo/six_models.blob $(B)/demo/points.blob $(MATERIALS:%=$(B)/demo/%.ktx2)
 $(B)/demo/%.blob: host_tools/scenes/%.json $(B)/gtscene
 	@mkdir -p $(@D)
 	$(B)/gtscene build $< -o $@
@@ -178,7 +178,7 @@ $(B)/bench/%: $(B)/host/tests/bench/%.o $(LIBS)
 # --- installation ---
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
-PUBLIC_H := $(filter-out %/internal.h %/func_tables.h %/content.h %/messages.h,$(wildcard lut/*.h raster/*.h firmware/*.h)) hal/hal.h
+PUBLIC_H := $(filter-out %/internal.h %/func_tables.h %/content.h %/messages.h %/point_light.h,$(wildcard lut/*.h raster/*.h firmware/*.h)) hal/hal.h
 install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rules
 	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/goniotile \
 	    $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
