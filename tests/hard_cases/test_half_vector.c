@@ -322,7 +322,7 @@ static void vectors_of_wrong_length_change_little(void **state)
         if (fx_dot(v[0], v[1]) > 0 && fx_dot(v[0], v[2]) > 0)
             worst = fmax(worst, half_error(&t, v[0], v[1], v[2]));
     }
-    assert_bound("lengths off by 64 units", worst, 1.0 / 128);
+    assert_bound("lengths off by 64 units", worst, 1.0 / 64);
     half_close(&t);
 }
 
