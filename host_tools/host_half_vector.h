@@ -19,7 +19,7 @@ enum {
     HALF_VECTOR_MAX_D = 128,
     HALF_VECTOR_MAX_T = 32,
     HALF_VECTOR_MAX_TEXELS = 65536,
-    HALF_VECTOR_MIN_TEXELS = 256 /* smallest budget when dimensions are chosen */
+    HALF_VECTOR_MIN_TEXELS = 64 /* smallest budget when dimensions are chosen */
 };
 
 struct half_vector {
@@ -30,16 +30,13 @@ struct half_vector {
 };
 
 struct half_vector_options {
-    uint32_t h, d, t; /* nodes, in the limits above; all 0: chosen for the material */
-    uint32_t texels;  /* then: the budget, HALF_VECTOR_MIN_TEXELS..HALF_VECTOR_MAX_TEXELS; they are never exceeded */
+    uint32_t h, d, t; /* nodes, 2 to the limits above; all 0: chosen by */
+    uint32_t texels;  /* the budget, HALF_VECTOR_MIN_TEXELS..HALF_VECTOR_MAX_TEXELS, which is never exceeded */
 };
 
 struct half_vector_report {
     double seconds; /* wall clock, for printing only */
-    double
-        reciprocity; /* of the source: cosine-weighted RMSE between f(l,v) and f(v,l) over the RMS of f, 0 when reciprocal */
-    double
-        residual; /* of the table: the same weighting, RMSE between the table and the symmetric source over its RMS */
+    double de;      /* the fit's own estimate of the mean colour difference, over lights at every angle to the view */
 };
 
 /* Fits a table to the symmetric part of the source. Deterministic, single thread. Cannot fail: values beyond what the texels

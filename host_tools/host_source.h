@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "host_measurement.h"
 
@@ -29,6 +30,9 @@ struct brdf_source {
  */
 void source_open(struct brdf_source *out, const char *path);
 void source_close(struct brdf_source *s);
+
+/* A table file in memory, malloc'd and taken over; `path` is for messages and the name. Dies with EXIT_BAD_INPUT. */
+void source_from_table(struct brdf_source *out, const char *path, uint8_t *data, size_t bytes);
 
 /* A measurement on a grid, taken over (*grid is emptied): bilinear in the outgoing angles; between theta_in slices the value is
  * interpolated. Slices beyond the last and angles beyond the largest measured clamp. When n.l < n.v, l and v are
