@@ -22,7 +22,7 @@ SIM_C   := $(wildcard hal/sim/*.c)
 HOSTM_C := $(wildcard host_tools/common.c host_tools/host_*.c)
 REF_C   := $(wildcard tests/reference/*.c)
 TOOLS   := gtlut gtscene gtusb gtsim
-SUITES  := unit hard_cases golden budget exhaustive
+SUITES  := unit hard_cases golden budget exhaustive fault
 TEST_C  := $(wildcard $(SUITES:%=tests/%/test_*.c))
 BENCH_C := $(wildcard tests/bench/*.c)
 
@@ -56,7 +56,7 @@ help: ## list the targets
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
               zlib1g-dev libumockdev-dev umockdev libglib2.0-dev
 CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
-DEPS_CHECK := $(DEPS_DEMO) $(CROSS) libcmocka-dev clang-format-14 nodejs npm
+DEPS_CHECK := $(DEPS_DEMO) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox
 DEPS_BENCH := $(DEPS_DEMO) $(CROSS) valgrind
 
 deps-demo: ## install what `make demo` needs (Debian packages)
@@ -165,6 +165,11 @@ $(B)/demo/%.ktx2: $(B)/demo/%.csv
 # --- test and benchmark programs ---
 tests: $(TEST_C:%.c=$(B)/%)
 $(B)/tests/%: $(B)/san/host/tests/%.o $(B)/san/libreference.a $(LIBS_SAN)
+	@mkdir -p $(@D)
+	$(CC) $(SAN) -o $@ $^ $(LIBS_test)
+# Modules that several fault tests share.
+FAULT_C := $(filter-out tests/fault/test_%,$(wildcard tests/fault/*.c))
+$(B)/tests/fault/%: $(B)/san/host/tests/fault/%.o $(FAULT_C:%.c=$(B)/san/host/%.o) $(B)/san/libreference.a $(LIBS_SAN)
 	@mkdir -p $(@D)
 	$(CC) $(SAN) -o $@ $^ $(LIBS_test)
 # Sweeps over millions of cases run at full speed.

@@ -23,6 +23,10 @@ struct sim {
     uint8_t *flash, *picture;
     uint32_t tiles_shown;
     long flash_operations_left; /* until they fail; negative: for ever */
+    long flash_operations;      /* done */
+    long cut_at;                /* the power is cut in this one, counted like flash_operations; negative: never */
+    uint32_t cut_how;
+    bool power_cut;
     bool plugged, detach_event, reset_event, setup_event;
     uint8_t setup[8], address, new_address;
     bool has_new_address;
@@ -47,11 +51,50 @@ static int flash_admit(struct sim *s)
 {
     if (s->config.write_forbidden)
         return HAL_FORBIDDEN;
-    if (s->flash_operations_left == 0)
+    if (s->flash_operations_left == 0 || s->power_cut)
         return HAL_ERROR;
     if (s->flash_operations_left > 0)
         s->flash_operations_left--;
     return HAL_OK;
+}
+
+/* Of `count` bytes of an operation those that differ from the old ones, done half-way in the n-th way. */
+static void change_in_part(uint8_t *bytes, const uint8_t *wanted, uint32_t count, uint32_t n, bool erase)
+{
+    uint64_t random = 0x9e3779b97f4a7c15u * (n + 1);
+    uint32_t odds[] = {0, 0, 4, 32, 60, 63}; /* of 64, for each bit to be done */
+    uint32_t way = n % 8, split = n / 8 % 64 * count / 64, spared = n / 8 * 97 % (8 * count);
+    for (uint32_t i = 0; i < count; i++)
+        for (int bit = 0; bit < 8; bit++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            bool dice = way < 6 && random >> 58 < odds[way], done = way == 0 ? i < split : way == 1 ? i >= split : dice;
+            uint8_t mask = (uint8_t)(1 << bit), target = wanted[i];
+            if (way == 6) /* all but one bit */
+                done = 8 * i + (uint32_t)bit != spared;
+            if (way == 7 && erase) { /* before it erases, an erase writes zeros */
+                target = 0;
+                done = random >> 63 || n / 8 % 2;
+            }
+            if (done)
+                bytes[i] = (uint8_t)((bytes[i] & ~mask) | (target & mask));
+        }
+}
+
+/* The operation happens: `wanted` instead of `count` bytes at `offset`. */
+static int flash_change(struct sim *s, uint32_t offset, const uint8_t *wanted, uint32_t count, bool erase)
+{
+    int result = flash_admit(s);
+    if (result != HAL_OK)
+        return result;
+    s->power_cut = s->flash_operations++ == s->cut_at;
+    if (!s->power_cut || s->cut_how == SIM_CUT_AFTER)
+        memcpy(s->flash + offset, wanted, count);
+    else if (s->cut_how >= SIM_CUT_DURING)
+        change_in_part(s->flash + offset, wanted, count, s->cut_how - SIM_CUT_DURING, erase);
+    if (!s->power_cut)
+        return HAL_OK;
+    sim_unplug(s);
+    return HAL_ERROR;
 }
 
 static int flash_erase(void *ctx, uint32_t offset)
@@ -59,10 +102,8 @@ static int flash_erase(void *ctx, uint32_t offset)
     struct sim *s = ctx;
     if (offset % SIM_FLASH_BLOCK || offset >= s->hal.flash_bytes)
         flash_abuse("erase outside the blocks", offset);
-    int result = flash_admit(s);
-    if (result == HAL_OK)
-        memset(s->flash + offset, 0xff, SIM_FLASH_BLOCK);
-    return result;
+    static const uint8_t erased[SIM_FLASH_BLOCK] = {[0 ... SIM_FLASH_BLOCK - 1] = 0xff};
+    return flash_change(s, offset, erased, SIM_FLASH_BLOCK, true);
 }
 
 static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t bytes)
@@ -78,10 +119,7 @@ static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t 
         if (word != ERASED_WORD)
             flash_abuse("program of a word that is not erased", offset + i);
     }
-    int result = flash_admit(s);
-    if (result == HAL_OK)
-        memcpy(s->flash + offset, data, bytes);
-    return result;
+    return flash_change(s, offset, data, bytes, false);
 }
 
 static bool write_allowed(void *ctx)
@@ -261,7 +299,7 @@ struct sim *sim_create(const struct sim_config *config)
         return NULL;
     s->config = *config;
     config_complete(&s->config);
-    s->flash_operations_left = -1;
+    s->flash_operations_left = s->cut_at = -1;
     uint32_t flash_bytes = 2 * (s->config.scene_bank_bytes + (s->config.slot_count - 1u) * s->config.table_bank_bytes);
     s->flash = malloc(flash_bytes);
     s->picture = calloc((size_t)s->config.width * s->config.height, pixel_bytes(s));
@@ -330,6 +368,27 @@ void sim_fail_flash_after(struct sim *s, long operations)
     s->flash_operations_left = operations;
 }
 
+void sim_cut_power(struct sim *s, long operation, uint32_t how)
+{
+    s->cut_at = s->flash_operations + operation;
+    s->cut_how = how;
+}
+
+bool sim_power_is_cut(const struct sim *s)
+{
+    return s->power_cut;
+}
+
+void sim_power_on(struct sim *s)
+{
+    s->power_cut = false;
+}
+
+long sim_flash_operations(const struct sim *s)
+{
+    return s->flash_operations;
+}
+
 const uint8_t *sim_picture(const struct sim *s)
 {
     return s->picture;
@@ -355,7 +414,7 @@ static void controller_clear(struct sim *s)
 
 void sim_plug(struct sim *s)
 {
-    s->plugged = true;
+    s->plugged = !s->power_cut;
     sim_bus_reset(s);
 }
 

@@ -54,6 +54,20 @@ void sim_forbid_writing(struct sim *s, bool forbidden);
  * negative: none fails. */
 void sim_fail_flash_after(struct sim *s, long operations);
 
+/*
+ * Cuts the power at a flash operation, 0 being the next. From then on the flash does nothing, every operation on it returns
+ * HAL_ERROR and the cable is dead, until sim_power_on; a cut may be planned while the power is off.
+ *   SIM_CUT_BEFORE, SIM_CUT_AFTER   the operation has not begun; is complete
+ *   SIM_CUT_DURING + n, any n       it stops half-way, each n another way: after some of its bytes, in front or behind; with some
+ *                                   of its bits done, few, half or almost all; of an erase also while it still writes zeros
+ */
+enum { SIM_CUT_BEFORE, SIM_CUT_AFTER, SIM_CUT_DURING };
+void sim_cut_power(struct sim *s, long operation, uint32_t how);
+bool sim_power_is_cut(const struct sim *s);
+void sim_power_on(struct sim *s);
+/* Flash operations so far, those that failed not counted. */
+long sim_flash_operations(const struct sim *s);
+
 /* The display: width*height pixels as sent last, tiles received. */
 const uint8_t *sim_picture(const struct sim *s);
 uint32_t sim_tiles_shown(const struct sim *s);

@@ -61,6 +61,7 @@ void sim_device_poll(struct sim_device *d)
 void sim_device_restart(struct sim_device *d)
 {
     sim_unplug(d->board);
+    sim_power_on(d->board);
     firmware_start(d); /* succeeded with the same configuration before */
 }
 
@@ -128,14 +129,17 @@ int sim_device_enumerate(struct sim_device *d, uint8_t descriptors[64])
     return n < 0 ? n : first + second;
 }
 
-/* CRC-32 of IEEE 802.3 by its definition. */
+/* CRC-32 of IEEE 802.3, half a byte at a time. */
 static uint32_t crc32_of(uint32_t crc, const void *data, size_t bytes)
 {
+    static const uint32_t remainders[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4,
+                                            0x4db26158, 0x5005713c, 0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
+                                            0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
     crc = ~crc;
     for (const uint8_t *p = data; bytes; bytes--) {
         crc ^= *p++;
-        for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+        crc = crc >> 4 ^ remainders[crc & 15];
+        crc = crc >> 4 ^ remainders[crc & 15];
     }
     return ~crc;
 }
