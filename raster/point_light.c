@@ -61,6 +61,12 @@ struct vec3 raster_surface_point(const struct raster *r, uint32_t x, uint32_t y,
                          -scale((int32_t)fx_mulhi_u(a, (uint32_t)q), s)};
 }
 
+/* How far x is from lo..hi. */
+static inline uint32_t distance_from(int32_t x, int32_t lo, int32_t hi)
+{
+    return x < lo ? (uint32_t)lo - (uint32_t)x : x > hi ? (uint32_t)x - (uint32_t)hi : 0;
+}
+
 /* 1/d^2 (1 - (d/radius)^4)^2, 1.0 = 2^30, at most that: d^2 = square * 2^-shift, below radius^2, square >= 2^30;
  * inverse = 2^60/square, 2^28 .. 2^30, or 2^60 over the normalised least square, whose shift `inverse_shift` then is. */
 static uint32_t attenuate(uint32_t square, int32_t shift, uint32_t inverse, int32_t inverse_shift, uq16_16_t radius)
@@ -83,13 +89,11 @@ static uint32_t attenuate(uint32_t square, int32_t shift, uint32_t inverse, int3
 bool raster_point_light(struct vec3 *l, uint32_t *attenuation, const struct vec3 *position, uq16_16_t radius,
                         struct vec3 point)
 {
-    const int64_t x = (int64_t)position->x - point.x, y = (int64_t)position->y - point.y,
-                  z = (int64_t)position->z - point.z;
-    const int64_t limit = radius; /* <= 2^31 */
-    if (x >= limit || -x >= limit || y >= limit || -y >= limit || z >= limit || -z >= limit)
+    const uint32_t x = distance_from(position->x, point.x, point.x), y = distance_from(position->y, point.y, point.y),
+                   z = distance_from(position->z, point.z, point.z);
+    if (x >= radius || y >= radius || z >= radius) /* and so below 2^31 */
         return false;
-    const int32_t dx = (int32_t)x, dy = (int32_t)y, dz = (int32_t)z;
-    uint64_t d2 = (uint64_t)((int64_t)dx * dx) + (uint64_t)((int64_t)dy * dy) + (uint64_t)((int64_t)dz * dz);
+    uint64_t d2 = (uint64_t)x * x + (uint64_t)y * y + (uint64_t)z * z;
     if (d2 >= (uint64_t)radius * radius) /* <= 2^62 */
         return false;
     if (!d2) { /* no direction: any */
@@ -104,6 +108,9 @@ bool raster_point_light(struct vec3 *l, uint32_t *attenuation, const struct vec3
     uint32_t root = lut_rsqrt(square, &root_shift);                                       /* 2^46/sqrt(square) */
     /* |d| < 2^(32 - shift/2), so each component is below 2^31; the product with the root has 46 fraction bits. */
     int32_t up = 1 << (shift / 2 - 1), m = (int32_t)(root >> 1);
+    const int32_t dx = (int32_t)((uint32_t)position->x - (uint32_t)point.x),
+                  dy = (int32_t)((uint32_t)position->y - (uint32_t)point.y),
+                  dz = (int32_t)((uint32_t)position->z - (uint32_t)point.z);
     *l = (struct vec3){(fx_mulhi(dx * up, m) + (1 << 12)) >> 13, (fx_mulhi(dy * up, m) + (1 << 12)) >> 13,
                        (fx_mulhi(dz * up, m) + (1 << 12)) >> 13};
     bool least = d2 < LEAST_SQUARE;
@@ -134,12 +141,6 @@ void raster_light_box_setup(struct raster_light_box *box, const struct raster *r
     /* A coordinate errs by 2^-24 of itself and a unit, so nearly equal depths may be out of order by twice that. */
     box->lo = (struct vec3){lower(a.x, c.x), lower(a.y, c.y), lower(a.z, c.z)};
     box->hi = (struct vec3){upper(b.x, d.x), upper(b.y, d.y), upper(b.z, d.z)};
-}
-
-/* How far x is from lo..hi. */
-static uint32_t distance_from(int32_t x, int32_t lo, int32_t hi)
-{
-    return x < lo ? (uint32_t)lo - (uint32_t)x : x > hi ? (uint32_t)x - (uint32_t)hi : 0;
 }
 
 bool raster_light_box_reached(const struct raster_light_box *box, const struct vec3 *position, uq16_16_t radius)
