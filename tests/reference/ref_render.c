@@ -208,8 +208,8 @@ static void shade(double radiance[3], const struct ref_view *view, const struct 
         return;
     }
     double facing[3] = {n[0], n[1], n[2]};
-    if (m->measured &&
-        dot(n, v) < 1.0 / 128) { /* a table has no value there: the normal is turned back to where it has */
+    if ((m->measured || m->kind == REF_METALLIC_ROUGHNESS) && dot(n, v) < 1.0 / 128) {
+        /* there is no value there: the normal is turned back to where there is one */
         for (int j = 0; j < 3; j++)
             facing[j] += v[j] * (1.0 / 128 - dot(n, v));
         normalise(facing);

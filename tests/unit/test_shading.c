@@ -1,5 +1,5 @@
 /*
- * Blinn-Phong: both kernels against the double-precision model, at random and at the model's extremes.
+ * Blinn-Phong by runs of a row against the double-precision model, at random and at the model's extremes.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -61,21 +61,6 @@ static struct ref_material reference_of(const struct scene_material *m)
     return r;
 }
 
-/* One pixel through the general kernel; the irradiance is pi, so that c_light is 1. */
-static void shade_one(double out[3], const struct scene_material *m, const double n[3], const double l[3],
-                      const double v[3])
-{
-    static struct raster_batch b;
-    struct raster_light light = {to_q15(l), {205887, 205887, 205887}};
-    memset(&b, 0, sizeof b);
-    b.count = 1;
-    b.normal[0] = to_q15(n);
-    b.view[0] = to_q15(v);
-    assert_int_equal(raster_shade_blinn_phong(&b, m, &light), 1);
-    for (int k = 0; k < 3; k++)
-        out[k] = b.radiance[0][k] / 1048576.0;
-}
-
 static void assert_close(const double got[3], const double want[3], double tolerance)
 {
     for (int k = 0; k < 3; k++)
@@ -83,81 +68,12 @@ static void assert_close(const double got[3], const double want[3], double toler
             fail_msg("channel %d: %.6f instead of %.6f", k, got[k], want[k]);
 }
 
-static const double exponents[] = {0, 1, 2, 3.5, 32, 100, 1000, 4096};
-enum { EXPONENTS = sizeof exponents / sizeof *exponents };
-
-static void general_kernel_equals_the_model(void **state)
-{
-    (void)state;
-    double worst = 0;
-    for (int i = 0; i < ROUNDS; i++) {
-        struct scene_material m = material(0.7, 0.9, exponents[i % EXPONENTS]);
-        struct ref_material reference = reference_of(&m);
-        double n[3], l[3], v[3], got[3], want[3];
-        random_unit(l);
-        random_unit(v);
-        random_unit(n);
-        if (i % 2) /* near the highlight */
-            for (int k = 0; k < 3; k++)
-                n[k] = l[k] + v[k] + 0.03 * n[k];
-        double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        double d[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]};
-        if (length < 0.01 || d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < 0.01)
-            continue; /* h is undefined: the extremes below */
-        for (int k = 0; k < 3; k++)
-            n[k] /= length;
-        ref_blinn_phong(want, &reference, n, l, v);
-        shade_one(got, &m, n, l, v);
-        for (int k = 0; k < 3; k++)
-            worst = fmax(worst, exponents[i % EXPONENTS] > 0 ? fabs(got[k] - want[k]) : 0);
-        /* 0^0 = 0 and 1 otherwise: on the terminator rounding decides. */
-        if (exponents[i % EXPONENTS] > 0 || fabs(n[0] * d[0] + n[1] * d[1] + n[2] * d[2]) > 1e-3)
-            assert_close(got, want, 1.0 / 128);
-    }
-    print_message("# largest error %.6f\n", worst);
-}
-
-static void general_kernel_keeps_the_extremes(void **state)
-{
-    static const double z[3] = {0, 0, 1}, back[3] = {0, 0, -1}, x[3] = {1, 0, 0}, minus_x[3] = {-1, 0, 0};
-    static const double nothing[3] = {0, 0, 0};
-    (void)state;
-    for (int i = 0; i < EXPONENTS; i++) {
-        struct scene_material m = material(0.5, 0.25, exponents[i]);
-        double got[3];
-        shade_one(got, &m, z, z, z); /* l = v = n */
-        assert_close(got, (const double[3]){0.75, 0.25, 0.125}, 1e-3);
-        shade_one(got, &m, z, back, z); /* l = -v, away */
-        assert_close(got, nothing, 0);
-        shade_one(got, &m, z, x, minus_x); /* l = -v, across */
-        assert_close(got, nothing, 0);
-        shade_one(got, &m, z, back, back); /* both below the surface */
-        assert_close(got, nothing, 0);
-    }
-}
-
-static void lights_saturate(void **state)
-{
-    static struct raster_batch b;
-    struct scene_material m = material(1, 1, 1);
-    struct raster_light light = {{0, 0, 32768}, {UINT32_MAX, UINT32_MAX, 0}};
-    (void)state;
-    memset(&b, 0, sizeof b);
-    b.count = 1;
-    b.normal[0] = b.view[0] = light.direction;
-    for (int i = 0; i < 16; i++)
-        raster_shade_blinn_phong(&b, &m, &light);
-    raster_finish_blinn_phong(&b, &m, 1 << 24);
-    assert_int_equal(b.radiance[0][0], 1 << 20);
-    assert_int_equal(b.radiance[0][1], 1 << 20);
-    assert_int_equal(b.radiance[0][2], 0);
-}
-
 static struct {
     struct raster r;
     struct raster_batch batch;
     struct raster_slot slot;
     struct raster_surface surface[RASTER_BATCH];
+    struct raster_light lights[RASTER_RUN_LIGHTS];
     struct scene_material material;
     struct scene_output output;
     struct scene_camera camera;
@@ -175,6 +91,7 @@ static void run_setup(double kd, double ks, double exponent, unsigned lights)
                                         .width = WIDTH,
                                         .height = HEIGHT,
                                         .light_count = (uint8_t)lights};
+    run.r.lights = run.lights;
     run.slot.frame[0] = run.slot.frame[4] = run.slot.frame[8] = 1 << 14;
     raster_view_setup(&run.r.view, &run.camera, WIDTH, HEIGHT);
 }
@@ -220,7 +137,7 @@ static void run_kernel_equals_the_model(void **state)
             do /* h loses its bits where l is opposite to v */
                 random_unit(l[j]);
             while (l[j][0] * towards[0] + l[j][1] * towards[1] + l[j][2] * towards[2] < -0.97);
-            run.r.lights[j].direction = to_q15(l[j]);
+            run.r.lights[j].v = to_q15(l[j]);
             for (int k = 0; k < 3; k++) {
                 run.r.lights[j].irradiance[k] = 100000u + (i % 2 ? (uint32_t)(k * 10000) : 0);
                 e[j][k] = run.r.lights[j].irradiance[k] / 65536.0 / M_PI;
@@ -265,7 +182,7 @@ static void run_kernel_keeps_the_extremes(void **state)
         double v[3];
         run_setup(0.5, 0.25, exponent, 1);
         view_of(v, 300, 20);
-        run.r.lights[0] = (struct raster_light){to_q15(v), {205887, 205887, 205887}};
+        run.r.lights[0] = (struct raster_light){to_q15(v), {205887, 205887, 205887}, 0};
         /* n = l = v: stereographic coordinates v.x / (1 + v.z) */
         int u = (int)lrint(16384 * v[0] / (1 + v[2])), w = (int)lrint(16384 * v[1] / (1 + v[2]));
         run.surface[0] = make_surface(u, w, 16384);
@@ -274,7 +191,7 @@ static void run_kernel_keeps_the_extremes(void **state)
         assert_true(abs((int)run.batch.radiance[0][2] - (int)(0.125 * 1048576)) < 512);
         /* l = -v: neither term, whatever the normal */
         struct vec3 l = to_q15(v);
-        run.r.lights[0].direction = (struct vec3){-l.x, -l.y, -l.z};
+        run.r.lights[0].v = (struct vec3){-l.x, -l.y, -l.z};
         for (int i = 0; i < RASTER_BATCH; i++)
             run.surface[i] = make_surface(u, w, 16384);
         raster_shade_blinn_phong_run(&run.batch, &run.r, &run.slot, run.surface, 300, 20, 1);
@@ -282,10 +199,10 @@ static void run_kernel_keeps_the_extremes(void **state)
         assert_true(run.batch.radiance[0][2] < 64);
     }
     /* every light as bright as a scene can say */
-    run_setup(1, 1, 32, SCENE_MAX_LIGHTS);
+    run_setup(1, 1, 32, RASTER_RUN_LIGHTS);
     run.output.exposure = 1 << 24;
-    for (unsigned i = 0; i < SCENE_MAX_LIGHTS; i++)
-        run.r.lights[i] = (struct raster_light){{0, 0, 32768}, {UINT32_MAX, UINT32_MAX, UINT32_MAX}};
+    for (unsigned i = 0; i < RASTER_RUN_LIGHTS; i++)
+        run.r.lights[i] = (struct raster_light){{0, 0, 32768}, {UINT32_MAX, UINT32_MAX, UINT32_MAX}, 0};
     run.surface[0] = make_surface(0, 0, 16384);
     raster_shade_blinn_phong_run(&run.batch, &run.r, &run.slot, run.surface, WIDTH / 2, HEIGHT / 2, 1);
     assert_int_equal(run.batch.radiance[0][0], 1 << 20);
@@ -311,9 +228,6 @@ static void run_kernel_declines_what_it_cannot_do(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(general_kernel_equals_the_model),
-        cmocka_unit_test(general_kernel_keeps_the_extremes),
-        cmocka_unit_test(lights_saturate),
         cmocka_unit_test(run_kernel_equals_the_model),
         cmocka_unit_test(run_kernel_keeps_the_extremes),
         cmocka_unit_test(run_kernel_declines_what_it_cannot_do),
