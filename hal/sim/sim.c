@@ -63,17 +63,19 @@ static void change_in_part(uint8_t *bytes, const uint8_t *wanted, uint32_t count
 {
     uint64_t random = 0x9e3779b97f4a7c15u * (n + 1);
     uint32_t odds[] = {0, 0, 4, 32, 60, 63}; /* of 64, for each bit to be done */
-    uint32_t way = n % 8, split = n / 8 % 64 * count / 64, spared = n / 8 * 97 % (8 * count);
+    uint32_t way = n % 9, turn = n / 9, split = turn % 64 * count / 64;
+    uint32_t bit_alone =
+        turn % 2 ? turn * 97 % (8 * count) : turn * 37 % 256 % (8 * count); /* every other one in a header */
     for (uint32_t i = 0; i < count; i++)
         for (int bit = 0; bit < 8; bit++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
             bool dice = way < 6 && random >> 58 < odds[way], done = way == 0 ? i < split : way == 1 ? i >= split : dice;
             uint8_t mask = (uint8_t)(1 << bit), target = wanted[i];
-            if (way == 6) /* all but one bit */
-                done = 8 * i + (uint32_t)bit != spared;
-            if (way == 7 && erase) { /* before it erases, an erase writes zeros */
+            if (way == 6 || way == 7) /* all bits but one; that one alone */
+                done = (8 * i + (uint32_t)bit != bit_alone) == (way == 6);
+            if (way == 8 && erase) { /* before it erases, an erase writes zeros */
                 target = 0;
-                done = random >> 63 || n / 8 % 2;
+                done = random >> 63 || turn % 2;
             }
             if (done)
                 bytes[i] = (uint8_t)((bytes[i] & ~mask) | (target & mask));

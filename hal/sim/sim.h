@@ -58,8 +58,8 @@ void sim_fail_flash_after(struct sim *s, long operations);
  * Cuts the power at a flash operation, 0 being the next. From then on the flash does nothing, every operation on it returns
  * HAL_ERROR and the cable is dead, until sim_power_on; a cut may be planned while the power is off.
  *   SIM_CUT_BEFORE, SIM_CUT_AFTER   the operation has not begun; is complete
- *   SIM_CUT_DURING + n, any n       it stops half-way, each n another way: after some of its bytes, in front or behind; with some
- *                                   of its bits done, few, half or almost all; of an erase also while it still writes zeros
+ *   SIM_CUT_DURING + n, any n       it stops half-way, each n another way: after some of its bytes, in front or behind; with one
+ *                                   of its bits done, few, half, almost all, all but one; of an erase also while it writes zeros
  */
 enum { SIM_CUT_BEFORE, SIM_CUT_AFTER, SIM_CUT_DURING };
 void sim_cut_power(struct sim *s, long operation, uint32_t how);

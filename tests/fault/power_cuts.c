@@ -5,7 +5,7 @@
 #include <string.h>
 
 enum {
-    HOWS = SIM_CUT_DURING + 88,       /* ways to cut once */
+    HOWS = SIM_CUT_DURING + 99,       /* ways to cut once */
     FIRST_HOWS = SIM_CUT_DURING + 4,  /* and when a second cut follows: after each of them */
     SECOND_HOWS = SIM_CUT_DURING + 4, /* each of these */
     MAX_STEPS = 6,
