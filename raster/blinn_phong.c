@@ -17,18 +17,16 @@ uint32_t raster_shade_blinn_phong(struct raster_batch *b, uint32_t first, uint32
         diffuse[k] = raster_diffuse_colour(m->kd[k], light->colour[k]);
         specular[k] = raster_diffuse_colour(m->ks[k], light->colour[k]);
     }
-    struct raster_walk walk = {.y = RASTER_BLOCK};
+    struct raster_walk walk = {.y = UINT32_MAX};
     for (uint32_t i = first; i < end; i++) {
         struct raster_pixel p;
         raster_walk_pixel(&p, &walk, b, light, i, true);
         lit += p.nl > 0;
         uint32_t nl = (uint32_t)fx_clamp(p.nl, 0, (1 << 30) - 1) << 2, power = 0; /* Q32 */
-        if ((p.nl >> 1) + (b->nv[i] >> 1) > 0)                                    /* n.h > 0 */
+        if ((p.nl >> 1) + (b->pixel[i].nv >> 1) > 0)                              /* n.h > 0 */
             power = raster_lobe_at(lobe, (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb))) << 5;
-        uint32_t c[3];
         for (int k = 0; k < 3; k++)
-            c[k] = fx_add_sat(fx_mulhi_u(diffuse[k], nl), fx_mulhi_u(specular[k], power));
-        raster_add(b->radiance[i], c[0], c[1], c[2]);
+            b->radiance[i][k] += raster_limited(fx_mulhi_u(diffuse[k], nl) + fx_mulhi_u(specular[k], power));
     }
     return lit;
 }

@@ -1,5 +1,5 @@
 /*
- * Shading of a block: up to 8 x 8 pixels, aligned to the picture's corner, of one material, by one light at a time.
+ * Shading of a block: up to 16 x 16 pixels, aligned to the picture's corner, of one material, by one light at a time.
  *
  * Every model here is a function of n.l, n.v and of the normal's components along two directions that depend on l and v
  * alone: with h = (l+v)/|l+v| and theta_d the angle between l and h,
@@ -10,9 +10,9 @@
  * its bits. a, b and what else depends on v alone are found at the block's four corners and taken as linear between them
  * (a plane through them by least squares), v itself never as constant.
  *
- * Bound: v turns by at most 2^-4 over a block's edge (else blocks are smaller), a and b by that over |l x v|. A
- * chord is off by at most 1/8 of the turn's square: v by 2^-11, a and b by 2^-10 where |l x v| is 11 times the turn. Where it
- * is less, and for point lights, every pixel is a block of its own.
+ * Bound: a block is as large as makes v turn by at most 2^-4 over its edge, and a and b, which turn by that over |l x v|, by at most
+ * 1/6. A chord is off by at most 1/8 of the turn's square: v by 2^-11, a and b by 2^-8.2 of their length, half of it after the
+ * fit. Where |l x v| is too small for any block, and for point lights, every pixel is a block of its own.
  */
 #ifndef RASTER_BLOCK_H
 #define RASTER_BLOCK_H
@@ -25,8 +25,10 @@ struct raster_plane {
     uint32_t base, dx, dy;
 };
 
-#define VIEW_PLANE_BITS 10 /* more than Q15 */
-#define TERM_D_BITS     20 /* of the half-vector table's d coordinate */
+#define RASTER_BLOCK_SHIFT  4  /* the largest block's edge is 2^this */
+#define RASTER_BLOCK_LIGHTS 4  /* lights whose planes are kept for a block */
+#define VIEW_PLANE_BITS     10 /* more than Q15 */
+#define TERM_D_BITS         20 /* of the half-vector table's d coordinate */
 
 enum { PLANE_A_XY, PLANE_B_XY, PLANE_AB_Z, PLANE_TERM, PLANE_COUNT };
 
@@ -35,7 +37,7 @@ struct raster_block_light {
         plane[PLANE_COUNT]; /* a and b: Q15, x and a.z in the low halves; the term: see term_find, light.c */
     uint32_t l_xy;          /* Q15 */
     int32_t l_z;
-    uint32_t inv_lv;     /* 1/|l-v|, 1.0 = 2^28, mean of the corners, at most 8 */
+    uint32_t inv_lv;     /* 1/|l-v|, 1.0 = 2^27, mean of the corners, at most 8 */
     uq16_16_t colour[3]; /* irradiance at the pixels; attenuated for point lights */
 };
 
@@ -64,7 +66,7 @@ static inline uint32_t lanes(int32_t low, int32_t high)
 /* Walks over a batch: planes at the current row's first pixel. */
 struct raster_walk {
     uint32_t row[PLANE_COUNT];
-    uint32_t y; /* of the row, RASTER_BLOCK at first */
+    uint32_t y; /* of the row, UINT32_MAX at first */
 };
 
 /* False for a pixel that the light does not reach, unless `behind` asks for those too. |n.l|, |n.a|, |n.b| <= 2^30 (1 + 2^-12) for vectors of Q15 that are of unit
@@ -72,12 +74,12 @@ struct raster_walk {
 static inline bool raster_walk_pixel(struct raster_pixel *p, struct raster_walk *w, const struct raster_batch *b,
                                      const struct raster_block_light *light, uint32_t i, bool behind)
 {
-    const uint32_t n_xy = b->normal_xy[i];
-    const int32_t nx = lane_low(n_xy), ny = lane_high(n_xy), nz = b->normal_z[i];
+    const struct raster_batch_pixel *n = &b->pixel[i];
+    const int32_t nx = lane_low(n->normal_xy), ny = lane_high(n->normal_xy), nz = n->normal_z;
     p->nl = nx * lane_low(light->l_xy) + ny * lane_high(light->l_xy) + nz * light->l_z;
     if (p->nl <= 0 && !behind)
         return false;
-    const uint32_t x = b->position[i] % RASTER_BLOCK, y = b->position[i] / RASTER_BLOCK;
+    const uint32_t x = n->at & 255, y = n->at >> 8;
     if (y != w->y) {
         w->y = y;
         for (int k = 0; k < PLANE_COUNT; k++)
@@ -117,27 +119,16 @@ static inline uint32_t raster_lobe_at(const struct raster_lobe *l, uint32_t x)
     return ((uint32_t)node[0] << 11) - (uint32_t)(node[0] - node[1]) * (x >> 16 & 0x7ff);
 }
 
-/* Adds to a pixel's radiance and keeps it below 2^31. In: each term < 2^31. */
-static inline void raster_add(uq12_20_t radiance[3], uint32_t red, uint32_t green, uint32_t blue)
+/* A light adds less than 128 display whites to a pixel, so that 16 of them stay below 2^31 and need no test. */
+#define RASTER_LIGHT_LIMIT ((1u << 27) - 1)
+
+static inline uint32_t raster_limited(uint32_t x)
 {
-    red += radiance[0];
-    green += radiance[1];
-    blue += radiance[2];
-    if ((red | green | blue) >> 31) {
-        red = red >> 31 ? INT32_MAX : red;
-        green = green >> 31 ? INT32_MAX : green;
-        blue = blue >> 31 ? INT32_MAX : blue;
-    }
-    radiance[0] = red;
-    radiance[1] = green;
-    radiance[2] = blue;
+    return x < RASTER_LIGHT_LIMIT ? x : RASTER_LIGHT_LIMIT;
 }
 
-/* Planes of v's components over a block, Q15 with VIEW_PLANE_BITS more, from the corners' view vectors. */
-void raster_view_planes(struct raster_plane out[3], const struct vec3 view[4], unsigned shift);
-
-/* The models: each adds one light's reflected radiance to pixels first .. end-1 of a batch and returns how many of them it
- * reaches. */
+/* The models: each adds one light's reflected radiance, at most RASTER_LIGHT_LIMIT, to pixels first .. end-1 of a batch and
+ * returns how many of them it reaches. */
 typedef uint32_t raster_model(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
                               const struct raster_block_light *light);
 raster_model raster_shade_half_vector;     /* measured */
@@ -146,9 +137,23 @@ raster_model raster_shade_lafortune_phong; /* b is scaled by cos(theta_d), as fo
 raster_model raster_shade_blinn_phong;
 raster_model raster_shade_metallic_roughness;
 
-/* light.c: lights a batch by one light: planes over the block where they hold, else pixel by pixel. In: view vectors at the
- * block's corners. Returns pixels lit. */
-uint32_t raster_shade_light(struct raster_batch *b, const struct raster *r, const struct raster_tile *t,
-                            const struct raster_light *light, const struct vec3 view[4], raster_model *model);
+/* A block being shaded. */
+struct raster_block {
+    uint32_t x, y;                /* its first pixel in the tile */
+    unsigned shift;               /* its edge is 2^shift pixels */
+    struct vec3 view[4];          /* towards the eye at its corners (0,0), (e,0), (0,e), (e,e) */
+    struct raster_plane plane[3]; /* of their components, Q15 with VIEW_PLANE_BITS more */
+    struct raster_block_light light[RASTER_BLOCK_LIGHTS];
+    uint32_t ready; /* bit i: light[i] holds frame light i's planes for the batch's material */
+};
+
+/* light.c: whether planes hold over the block of 2^shift pixels at (x, y) on the screen under every directional light. */
+bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift);
+/* In: (x, y) in the tile whose first pixel on the screen is (x0, y0). */
+void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,
+                        uint32_t y, unsigned shift);
+/* Lights the tile's batch, all of the block's, by light `index`. Returns pixels lit. */
+uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, const struct raster *r, uint32_t x0,
+                            uint32_t y0, uint32_t index, raster_model *model);
 
 #endif

@@ -47,8 +47,8 @@ static inline struct place place_find(const struct lut_table *table, const struc
     o.h = u >> 20;
     uint32_t fh = u >> 12 & 255;
     /* cos^2 of the azimuth: over the smaller of sin^2 theta_h and ((n.l + n.v)/|l-v|)^2, 18 fraction bits */
-    uint32_t wd = fx_mulhi_u(both, inv_lv); /* Q26, at most 2^30 */
-    uint32_t far = fx_mulhi_u(wd, wd) >> 2, near = s2 >> 10;
+    uint32_t wd = fx_mulhi_u(both, inv_lv); /* Q25, at most 2^29 */
+    uint32_t far = fx_mulhi_u(wd, wd), near = s2 >> 10;
     uint32_t t2 = na2 / ((far < near ? far : near) | 1); /* 10 fraction bits */
     t2 = (t2 < 1023 ? t2 : 1023) * (table->width - 1);
     o.t = t2 >> 10;
@@ -104,18 +104,18 @@ static inline struct sums taps_packed(const struct lut_table *t, const struct pl
     const uint32_t *p = t->slabs + (record >> 10) + 3 * o->t, *q = p + 3 * t->width;
     const uint32_t b00 = o->w00 * fd, b01 = o->w01 * fd, b10 = o->w10 * fd, b11 = o->w11 * fd;
     const uint32_t a00 = 64 * o->w00 - b00, a01 = 64 * o->w01 - b01, a10 = 64 * o->w10 - b10, a11 = 64 * o->w11 - b11;
-    struct sums s;
     *exponent = record & 255;
-    for (int k = 0; k < 3; k++)
-        s.c[k] = pair(p[k], a00, b00) + pair(p[k + 3], a01, b01) + pair(q[k], a10, b10) + pair(q[k + 3], a11, b11);
+    struct sums s = {{pair(p[0], a00, b00) + pair(p[3], a01, b01) + pair(q[0], a10, b10) + pair(q[3], a11, b11),
+                      pair(p[1], a00, b00) + pair(p[4], a01, b01) + pair(q[1], a10, b10) + pair(q[4], a11, b11),
+                      pair(p[2], a00, b00) + pair(p[5], a01, b01) + pair(q[2], a10, b10) + pair(q[5], a11, b11)}};
     return s;
 }
 
-/* sum * scale >> 32 for a cell brighter than the scale's top, saturating. */
-static uint32_t bright(uint32_t sum, uint32_t scale, uint32_t up)
+/* sum * scale >> 32, times 2^up, for a cell brighter than the scale's top. */
+FX_NOINLINE static uint32_t bright(uint32_t sum, uint32_t scale, uint32_t up)
 {
-    uint64_t x = ((uint64_t)sum * scale >> 32) << up; /* up <= 31 + 38 - 22 is not reached: at most 2^29 2^31 */
-    return x > INT32_MAX ? INT32_MAX : (uint32_t)x;
+    uint32_t x = fx_mulhi_u(sum, scale); /* < 2^29 */
+    return up > 27 || x >> (27 - up) ? (x ? RASTER_LIGHT_LIMIT : 0) : x << up;
 }
 
 __attribute__((always_inline)) static inline uint32_t shade(struct raster_batch *b, uint32_t first, uint32_t end,
@@ -123,28 +123,31 @@ __attribute__((always_inline)) static inline uint32_t shade(struct raster_batch 
                                                             const struct raster_block_light *light, const bool packed)
 {
     const struct constants k = constants_find(table, light);
-    struct raster_walk walk = {.y = RASTER_BLOCK};
+    struct raster_walk walk = {.y = UINT32_MAX};
     uint32_t lit = 0;
     for (uint32_t i = first; i < end; i++) {
         struct raster_pixel p;
         if (!raster_walk_pixel(&p, &walk, b, light, i, false))
             continue;
         lit++;
-        uint32_t both = (uint32_t)p.nl + (uint32_t)b->nv[i]; /* Q30, <= 2^31 */
+        uint32_t both = (uint32_t)p.nl + (uint32_t)b->pixel[i].nv; /* Q30, <= 2^31 */
         struct place o = place_find(table, &p, both, light->inv_lv);
-        uint32_t exponent, ratio = (uint32_t)p.nl / (both >> 15); /* n.l/(n.l + n.v), Q15; n.v >= 2^-8 */
+        uint32_t exponent, ratio = (uint32_t)p.nl / (both >> 15); /* n.l/(n.l + n.v), Q15, < 2^15 as n.v >= 2^-8 */
         struct sums s = packed ? taps_packed(table, &o, &exponent) : taps_plain(table, &o, &exponent);
         int32_t shift = k.top - (int32_t)exponent;
-        uint32_t c[3];
+        uint32_t scale = ratio << 16 >> fx_max(shift, 0);
+        uint32_t red = fx_mulhi_u(scale, k.colour[0]), green = fx_mulhi_u(scale, k.colour[1]),
+                 blue = fx_mulhi_u(scale, k.colour[2]); /* < 2^30 */
+        uint32_t *c = b->radiance[i];
         if (shift >= 0) {
-            uint32_t scale = ratio << 16 >> shift; /* <= 2^31 */
-            for (int j = 0; j < 3; j++)
-                c[j] = fx_mulhi_u(s.c[j], fx_mulhi_u(scale, k.colour[j]));
+            c[0] += fx_mulhi_u(s.c[0], red);
+            c[1] += fx_mulhi_u(s.c[1], green);
+            c[2] += fx_mulhi_u(s.c[2], blue);
         } else {
-            for (int j = 0; j < 3; j++)
-                c[j] = bright(s.c[j], fx_mulhi_u(ratio << 16, k.colour[j]), (uint32_t)-shift);
+            c[0] += bright(s.c[0], red, (uint32_t)-shift);
+            c[1] += bright(s.c[1], green, (uint32_t)-shift);
+            c[2] += bright(s.c[2], blue, (uint32_t)-shift);
         }
-        raster_add(b->radiance[i], c[0], c[1], c[2]);
     }
     return lit;
 }

@@ -171,7 +171,7 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
 void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats);
 
-/* light.c: bytes of arena for lights and lobes, and filling them; a shading block's edge is 2^shift pixels. */
+/* light.c: bytes of arena for lights and lobes, and filling them; the largest shading block's edge is 2^shift pixels. */
 size_t raster_light_bytes(const struct raster_frame *f);
 void raster_light_setup(struct raster *r);
 uint8_t raster_block_shift(const struct raster_view *v);

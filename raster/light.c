@@ -5,8 +5,8 @@
 #include "func.h"
 #include "point_light.h"
 
-#define MAX_BLOCK_ANGLE 4  /* 2^-4 radians */
-#define LEAST_CROSS     11 /* of |l x v|, in units of the block's angle */
+#define MAX_BLOCK_ANGLE 4 /* 2^-4 radians */
+#define LEAST_CROSS     6 /* of |l x v|, in units of the block's angle */
 
 static size_t align8(size_t bytes)
 {
@@ -117,7 +117,7 @@ void raster_cull_lights(const struct raster *r, struct raster_tile *t, const str
 uint8_t raster_block_shift(const struct raster_view *v)
 {
     /* A pixel's angle is at most 2 step / axis, the step with VIEW_STEP_BITS more bits. */
-    uint8_t shift = 3;
+    uint8_t shift = RASTER_BLOCK_SHIFT;
     while (shift > 0 && (uint64_t)v->step << (shift + 1 + MAX_BLOCK_ANGLE) >> VIEW_STEP_BITS > (uint32_t)v->axis)
         shift--;
     return shift;
@@ -127,7 +127,7 @@ uint8_t raster_block_shift(const struct raster_view *v)
 struct corner {
     struct vec3 a, b;      /* Q15 */
     uint32_t sine, cosine; /* of theta_d, 1.0 = 2^27 */
-    uint32_t inv_lv;       /* 1.0 = 2^28, at most 8 */
+    uint32_t inv_lv;       /* 1.0 = 2^27, at most 8 */
 };
 
 /* (|x|/2)^2, Q30, at least 1. In: |component| < 2^16, Q15. */
@@ -163,7 +163,7 @@ static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
     int32_t mc = (int32_t)(lut_rsqrt(c2, &cs) >> 1), ms = (int32_t)(lut_rsqrt(s2, &ss) >> 1);
     out->cosine = (uint32_t)((uint64_t)c2 * (uint32_t)mc >> (17 + cs));
     out->sine = (uint32_t)((uint64_t)s2 * (uint32_t)ms >> (17 + ss));
-    out->inv_lv = ss < 12 ? 1u << 31 : (uint32_t)ms << 1 >> (ss - 12);
+    out->inv_lv = ss < 12 ? 1u << 30 : (uint32_t)ms >> (ss - 12);
     /* b = l x v / (2 sin cos): first l x v / (2 cos), Q27, at most the sine, below 2^(ss+12); |l x v| <= 2^(cs+16) */
     const int32_t up_c = 1 << (16 - cs), up_s = 1 << (16 - ss);
     int32_t b[3] = {l.y * v.z - l.z * v.y, l.z * v.x - l.x * v.z, l.x * v.y - l.y * v.x};
@@ -215,7 +215,7 @@ static void scale_b(struct corner *c)
 }
 
 /* A plane by least squares through the values at the corners (0,0), (e,0), (0,e), (e,e), e = 2^shift, kept within lo .. hi at
- * the pixels 0 .. e-1. In: 1 <= shift <= 3. */
+ * the pixels 0 .. e-1. In: shift >= 1. */
 struct slope {
     int32_t base, dx, dy;
 };
@@ -260,90 +260,109 @@ static void set_direction(struct raster_block_light *out, struct vec3 l)
     out->l_z = fx_clamp(l.z, -32767, 32767);
 }
 
+static void light_planes(struct raster_block_light *out, const struct raster *r, const struct scene_material *m,
+                         const struct raster_light *light, const struct raster_block *block)
+{
+    const unsigned shift = block->shift;
+    struct corner c[4];
+    int32_t term[4];
+    out->inv_lv = 0;
+    for (int i = 0; i < 4; i++) {
+        corner_find(&c[i], light->v, block->view[i]);
+        term[i] = (int32_t)term_find(r, m, &c[i]);
+        if (scales_b(r, m))
+            scale_b(&c[i]);
+        out->inv_lv += c[i].inv_lv >> 2;
+    }
+    out->plane[PLANE_A_XY] = LANES(a.x, a.y);
+    out->plane[PLANE_B_XY] = LANES(b.x, b.y);
+    out->plane[PLANE_AB_Z] = LANES(a.z, b.z);
+    struct slope s = slope_fit(term, shift, 0, term_limit(r, m));
+    out->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
+    for (int k = 0; k < 3; k++)
+        out->colour[k] = light->irradiance[k];
+    set_direction(out, light->v);
+}
+
 /* Exactly what a corner has, at every pixel of the batch in turn. Point lights reach with what their distance leaves. */
-static uint32_t shade_pixels(struct raster_batch *b, const struct raster *r, const struct raster_tile *t,
+static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint32_t x0, uint32_t y0,
                              const struct raster_light *light, raster_model *model)
 {
+    struct raster_batch *b = &t->batch;
     const struct scene_material *m = &r->frame.materials[b->material];
     struct raster_block_light out;
     uint32_t lit = 0;
     for (uint32_t i = 0; i < b->count; i++) {
-        uint32_t x = b->x + b->position[i] % RASTER_BLOCK, y = b->y + b->position[i] / RASTER_BLOCK;
+        const struct raster_surface *s = &t->surface[b->surface[i]];
+        const uint32_t x = x0 + (b->pixel[i].at & 255), y = y0 + (b->pixel[i].at >> 8);
         uint32_t attenuation = 1u << 30;
         struct vec3 l = light->v;
         struct corner c;
         if (light->radius) {
-            struct vec3 p = raster_surface_point(r, x, y, t->surface[b->surface[i]].depth_slot >> 8);
+            struct vec3 p = raster_surface_point(r, x, y, s->depth_slot >> 8);
             if (!raster_point_light(&l, &attenuation, &light->v, light->radius, p))
                 continue;
         }
         for (int k = 0; k < 3; k++)
             out.colour[k] = (uint32_t)((uint64_t)light->irradiance[k] * attenuation >> 30);
         corner_find(&c, l, raster_view_vector(r, x, y));
-        uint32_t term = term_find(r, m, &c);
+        uint32_t term = term_find(r, m, &c), limit = (uint32_t)term_limit(r, m);
         if (scales_b(r, m))
             scale_b(&c);
-        planes_constant(&out, &c, term);
+        planes_constant(&out, &c, term < limit ? term : limit);
         set_direction(&out, l);
         lit += model(b, i, i + 1, r, &out);
     }
     return lit;
 }
 
-/* Whether planes hold for this light over the block. In: its corners. */
-static bool block_is_regular(const struct raster *r, const struct corner c[4])
+uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, const struct raster *r, uint32_t x0,
+                            uint32_t y0, uint32_t index, raster_model *model)
 {
-    /* |l x v| = 2 sin cos, Q27 here, against LEAST_CROSS times the block's angle, 2^shift 2 step / axis */
-    uint32_t least = UINT32_MAX;
-    for (int i = 0; i < 4; i++) {
-        uint32_t cross = fx_mulhi_u(c[i].sine << 4, c[i].cosine << 2);
-        least = cross < least ? cross : least;
-    }
-    uint64_t angle = (uint64_t)r->view.step * (2 * LEAST_CROSS) << (27 - VIEW_STEP_BITS) << r->block_shift;
-    return (uint64_t)least * (uint32_t)r->view.axis >= angle;
+    const struct raster_light *light = &r->lights[index];
+    struct raster_batch *b = &t->batch;
+    if (light->radius || !block->shift)
+        return shade_pixels(t, r, x0 + block->x, y0 + block->y, light, model);
+    const uint32_t place = index % RASTER_BLOCK_LIGHTS;
+    if (index >= RASTER_BLOCK_LIGHTS || !(block->ready >> index & 1))
+        light_planes(&block->light[place], r, &r->frame.materials[b->material], light, block);
+    block->ready = (block->ready & ~(1u << place)) | (index < RASTER_BLOCK_LIGHTS ? 1u << index : 0);
+    return model(b, 0, b->count, r, &block->light[place]);
 }
 
-uint32_t raster_shade_light(struct raster_batch *b, const struct raster *r, const struct raster_tile *t,
-                            const struct raster_light *light, const struct vec3 view[4], raster_model *model)
+bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift)
 {
-    const struct scene_material *m = &r->frame.materials[b->material];
-    const unsigned shift = r->block_shift;
-    struct corner c[4];
-    if (light->radius || !shift)
-        return shade_pixels(b, r, t, light, model);
-    for (int i = 0; i < 4; i++)
-        corner_find(&c[i], light->v, view[i]);
-    if (!block_is_regular(r, c))
-        return shade_pixels(b, r, t, light, model);
-
-    struct raster_block_light out;
-    int32_t term[4];
-    out.inv_lv = 0;
-    for (int i = 0; i < 4; i++) {
-        term[i] = (int32_t)term_find(r, m, &c[i]);
-        if (scales_b(r, m))
-            scale_b(&c[i]);
-        out.inv_lv += c[i].inv_lv >> 2;
+    const uint32_t half = 1u << shift >> 1;
+    const struct vec3 v = raster_view_vector(r, x + half, y + half);
+    /* The block's angle, 2^shift 2 step / axis, Q15 times axis. */
+    const uint32_t angle = (uint32_t)((uint64_t)r->view.step << (shift + 16) >> VIEW_STEP_BITS);
+    for (uint32_t i = 0; i < r->directional; i++) {
+        const struct vec3 l = r->lights[i].v;
+        uint32_t c2 = half_square(limited(l.x + v.x, l.y + v.y, l.z + v.z));
+        uint32_t s2 = half_square(limited(l.x - v.x, l.y - v.y, l.z - v.z));
+        uint32_t cross2 = fx_mulhi_u(c2, s2);                         /* |l x v|^2 / 4, 2^28 */
+        uint32_t need = angle * LEAST_CROSS / (uint32_t)r->view.axis; /* Q15, below 2^13 */
+        if (cross2 >> 1 <= need * need >> 5)                          /* 2^27 on the left, of a quarter */
+            return false;
     }
-    out.plane[PLANE_A_XY] = LANES(a.x, a.y);
-    out.plane[PLANE_B_XY] = LANES(b.x, b.y);
-    out.plane[PLANE_AB_Z] = LANES(a.z, b.z);
-    struct slope s = slope_fit(term, shift, 0, term_limit(r, m));
-    out.plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
-    for (int k = 0; k < 3; k++)
-        out.colour[k] = light->irradiance[k];
-    set_direction(&out, light->v);
-    return model(b, 0, b->count, r, &out);
+    return true;
 }
 
-void raster_view_planes(struct raster_plane out[3], const struct vec3 view[4], unsigned shift)
+void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,
+                        uint32_t y, unsigned shift)
 {
+    out->x = x;
+    out->y = y;
+    out->shift = shift;
+    out->ready = 0;
+    for (uint32_t i = 0; i < 4; i++)
+        out->view[i] = raster_view_vector(r, x0 + x + ((i & 1) << shift), y0 + y + ((i >> 1) << shift));
     for (int k = 0; k < 3; k++) {
         int32_t p[4];
         for (int i = 0; i < 4; i++)
-            p[i] = (k == 0 ? view[i].x : k == 1 ? view[i].y : view[i].z) * (1 << VIEW_PLANE_BITS);
+            p[i] = (k == 0 ? out->view[i].x : k == 1 ? out->view[i].y : out->view[i].z) * (1 << VIEW_PLANE_BITS);
         struct slope s = shift ? slope_fit(p, shift, INT32_MIN, INT32_MAX) : (struct slope){p[0], 0, 0};
-        out[k] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
+        out->plane[k] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
     }
 }
 

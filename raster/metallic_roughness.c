@@ -52,13 +52,13 @@ uint32_t raster_shade_metallic_roughness(struct raster_batch *b, uint32_t first,
     struct material m;
     uint32_t lit = 0;
     material_setup(&m, &r->frame.materials[b->material], light->colour);
-    struct raster_walk walk = {.y = RASTER_BLOCK};
+    struct raster_walk walk = {.y = UINT32_MAX};
     for (uint32_t i = first; i < end; i++) {
         struct raster_pixel p;
         if (!raster_walk_pixel(&p, &walk, b, light, i, false))
             continue;
         lit++;
-        const uint32_t nl = (uint32_t)fx_min(p.nl, (1 << 30) - 1), nv = (uint32_t)b->nv[i];
+        const uint32_t nl = (uint32_t)fx_min(p.nl, (1 << 30) - 1), nv = (uint32_t)b->pixel[i].nv;
         uint32_t s2 = (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb)); /* Q28, <= 2^28.01 */
         uint32_t q = m.a2 + fx_mulhi_u(s2, m.a2_rest) + 1;                     /* Q28, >= 2^8 */
         uint32_t both = fx_mulhi_u(nl << 1, nv << 1) << 1;                     /* 2 n.l n.v, Q30 */
@@ -71,16 +71,15 @@ uint32_t raster_shade_metallic_roughness(struct raster_batch *b, uint32_t first,
             fx_mulhi_u(fx_mulhi_u(m.k, nl << 2), UINT32_MAX / w << 13); /* D V n.l = d 2^(2 zq + zm - 7 - k_down) */
         int32_t down = fx_max(m.k_down - 14 - m.colour_up - (int32_t)(2 * zq + zm), -30); /* to 20 fraction bits */
         uint32_t diffuse_left = fx_mulhi_u(nl << 2, UINT32_MAX - (p.term << 5)); /* (1 - (1 - l.h)^5) n.l, Q32 */
-        uint32_t c[3];
         for (int k = 0; k < 3; k++) {
             uint32_t s = fx_mulhi_u(d, m.f0[k] + fx_mulhi_u(m.rest[k], p.term << 5));
             if (down >= 0)
                 s = down > 31 ? 0 : s >> down;
             else
                 s = s >> (31 + down) ? INT32_MAX : s << -down;
-            c[k] = fx_add_sat(s > INT32_MAX ? INT32_MAX : s, fx_mulhi_u(m.diffuse[k], diffuse_left));
+            s = s < INT32_MAX ? s : INT32_MAX;
+            b->radiance[i][k] += raster_limited(s + fx_mulhi_u(m.diffuse[k], diffuse_left));
         }
-        raster_add(b->radiance[i], c[0], c[1], c[2]);
     }
     return lit;
 }

@@ -22,7 +22,7 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, ui
     }
     for (int k = 0; k < 3; k++)
         specular[k] = (uint32_t)(peak[k] >> drop);
-    struct raster_walk walk = {.y = RASTER_BLOCK};
+    struct raster_walk walk = {.y = UINT32_MAX};
     for (uint32_t i = first; i < end; i++) {
         struct raster_pixel p;
         if (!raster_walk_pixel(&p, &walk, b, light, i, false))
@@ -31,15 +31,11 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, ui
         uint32_t nl = (uint32_t)fx_min(p.nl, (1 << 30) - 1) << 2; /* Q32 */
         uint32_t x = 2 * (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb));
         uint32_t power = fx_mulhi_u(raster_lobe_at(lobe, x) << 5, nl); /* Q32 */
-        uint32_t s[3];
-        for (int k = 0; k < 3; k++)
-            s[k] = fx_mulhi_u(specular[k], power);
-        if (drop) /* < 2^31 before; saturates at 2^31 - 1 */
-            for (int k = 0; k < 3; k++)
-                s[k] = s[k] >> (31 - drop) ? INT32_MAX : s[k] << drop;
-        for (int k = 0; k < 3; k++)
-            s[k] = fx_add_sat(s[k], fx_mulhi_u(diffuse[k], nl));
-        raster_add(b->radiance[i], s[0], s[1], s[2]);
+        for (int k = 0; k < 3; k++) {
+            uint32_t s = fx_mulhi_u(specular[k], power);
+            s = s >> (31 - drop) ? INT32_MAX : s << drop;
+            b->radiance[i][k] += raster_limited(s + fx_mulhi_u(diffuse[k], nl)); /* < 2^32 */
+        }
     }
     return lit;
 }

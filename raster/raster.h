@@ -109,7 +109,8 @@ struct raster {
     uint8_t lobe_of_material[SCENE_MAX_MATERIALS];
     bool in_rows[SCENE_MAX_MATERIALS]; /* materials shaded in runs of a row: without the view, or point lights */
     struct raster_view view;
-    uint8_t block_shift; /* log2 of a shading block's edge, pixels; 0: v changes too fast to be interpolated */
+    uint8_t
+        block_shift; /* log2 of the largest shading block's edge, pixels; 0: v changes too fast to be interpolated */
     size_t arena_needed; /* bytes of arena that this frame uses */
     uint32_t lod_bias;   /* how often the threshold for levels of detail was doubled to make the frame fit */
     uint32_t bad_material;
@@ -149,18 +150,20 @@ struct raster_slot {  /* a meshlet in this tile: what shading needs of it */
     uint8_t normal_shift; /* from 1/w to the normal's third coordinate */
 };
 
-/* Pixels of one material in one shading block, which is 8 x 8 pixels, aligned to the picture's corner. */
-#define RASTER_BLOCK 8
+struct raster_batch_pixel {
+    uint32_t normal_xy; /* eye space, Q15, x in the low half */
+    int32_t normal_z;
+    int32_t nv;  /* n.v, Q30 */
+    uint32_t at; /* in the block: x | y << 8 */
+};
+
+/* Pixels of one material in one shading block, row by row. */
 struct raster_batch {
-    uint32_t normal_xy[RASTER_BATCH]; /* eye space, Q15, x in the low half */
-    int32_t normal_z[RASTER_BATCH];
-    int32_t nv[RASTER_BATCH]; /* n.v, Q30 */
+    struct raster_batch_pixel pixel[RASTER_BATCH];
     uq12_20_t radiance[RASTER_BATCH][3];
     uint16_t surface[RASTER_BATCH]; /* index into the tile's */
-    uint8_t position[RASTER_BATCH]; /* in the block: x | y << 3, ascending */
     uint32_t count;
     uint32_t material;
-    uint32_t x, y; /* the block's first pixel on the screen */
     /* kd/pi * irradiance of a material that is shaded in runs under each light, 21 fraction bits */
     uint32_t diffuse_colour[RASTER_RUN_LIGHTS][3];
     uint32_t diffuse_material; /* whose, plus one; 0: none yet */

@@ -13,6 +13,7 @@ struct output {
     uint32_t width, height; /* pixels */
     uint32_t x0, y0;        /* the tile's first pixel */
     uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
+    bool whole_pixels;      /* samples of one pixel and slot are shaded once */
 };
 
 static inline void store_pixel(const struct output *o, uint32_t index, uint32_t value)
@@ -61,11 +62,11 @@ static raster_model *find_model(const struct raster *r, const struct scene_mater
 }
 
 /* A finished pixel or sample in its surface's place, and in those of its pixel's other samples that show the same slot. */
-static void put_colour(const struct output *o, uint32_t index, uint32_t value, bool whole_pixels)
+static void put_colour(const struct output *o, uint32_t index, uint32_t value)
 {
     struct raster_surface *s = &o->t->surface[index];
     const uint32_t slot = slot_of(s);
-    if (whole_pixels && o->r->sample_shift) {
+    if (o->whole_pixels && o->r->sample_shift) {
         struct raster_surface *corner = &o->t->surface[index & ~(uint32_t)(RASTER_TILE_WIDTH + 1)];
         for (int i = 0; i < 4; i++) {
             struct raster_surface *other = corner + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
@@ -80,24 +81,28 @@ static void put_colour(const struct output *o, uint32_t index, uint32_t value, b
     }
 }
 
-/* What a block's batches have in common. */
-struct block {
-    struct vec3 view[4];          /* at its corners, towards the eye */
-    struct raster_plane plane[3]; /* of the view's components */
-    uint32_t x, y;                /* its first pixel in the tile */
-    bool whole_pixels;            /* samples of one pixel and slot are shaded once */
-};
+/* Keeps it below 2^31. */
+static void limit_radiance(struct raster_batch *b)
+{
+    for (uint32_t *c = b->radiance[0], *end = b->radiance[b->count]; c != end; c++)
+        *c = *c < INT32_MAX ? *c : INT32_MAX;
+}
 
-static void flush(const struct output *o, const struct block *k, struct raster_stats *stats)
+static void flush(const struct output *o, struct raster_block *k, struct raster_stats *stats)
 {
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[b->material];
     raster_model *model = find_model(r, m);
     uint32_t lit = 0;
-    for (unsigned l = 0; l < r->frame.light_count; l++)
-        if (!r->lights[l].radius || o->t->light_reaches[l / 32] >> l % 32 & 1)
-            lit += raster_shade_light(b, r, o->t, &r->lights[l], k->view, model);
+    for (unsigned l = 0, added = 0; l < r->frame.light_count; l++) {
+        if (r->lights[l].radius && !(o->t->light_reaches[l / 32] >> l % 32 & 1))
+            continue;
+        lit += raster_shade_light(o->t, k, r, o->x0, o->y0, l, model);
+        if (++added % 16 == 0) /* sums of 2^31 and RASTER_LIGHT_LIMIT */
+            limit_radiance(b);
+    }
+    limit_radiance(b);
     stats->shaded += lit;
     if (m->kind == SCENE_MATERIAL_MEASURED)
         stats->fetches += 8 * lit;
@@ -105,7 +110,7 @@ static void flush(const struct output *o, const struct block *k, struct raster_s
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
     raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
     for (uint32_t i = 0; i < b->count; i++)
-        put_colour(o, b->surface[i], value[i], k->whole_pixels);
+        put_colour(o, b->surface[i], value[i]);
     b->count = 0;
 }
 
@@ -130,7 +135,7 @@ static inline int32_t view_at(const struct raster_plane *p, uint32_t x, uint32_t
 }
 
 /* Adds a pixel of the block to its batch; `index`: of the sample that has its normal. */
-static void gather_pixel(const struct output *o, const struct block *k, uint32_t x, uint32_t y, uint32_t index,
+static void gather_pixel(const struct output *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
                          struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
@@ -147,16 +152,14 @@ static void gather_pixel(const struct output *o, const struct block *k, uint32_t
         n = face_viewer(n, v, nv);
         nv = fx_max(fx_dot(n, v), 1 << 22);
     }
-    b->normal_xy[i] = lanes(fx_clamp(n.x, -32767, 32767), fx_clamp(n.y, -32767, 32767));
-    b->normal_z[i] = fx_clamp(n.z, -32767, 32767);
-    b->nv[i] = nv;
+    b->pixel[i] = (struct raster_batch_pixel){lanes(fx_clamp(n.x, -32767, 32767), fx_clamp(n.y, -32767, 32767)),
+                                              fx_clamp(n.z, -32767, 32767), nv, x | y << 8};
     b->surface[i] = (uint16_t)index;
-    b->position[i] = (uint8_t)(x | y * RASTER_BLOCK);
     b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }
 
 /* Gathers the block's surfaces of the first material met. Returns whether others are left. */
-static bool gather_material(const struct output *o, const struct block *k, uint32_t width, uint32_t height,
+static bool gather_material(const struct output *o, struct raster_block *k, uint32_t width, uint32_t height,
                             struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
@@ -164,6 +167,7 @@ static bool gather_material(const struct output *o, const struct block *k, uint3
     bool left = false;
     b->count = 0;
     b->material = UINT32_MAX;
+    k->ready = 0;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
             for (uint32_t i = 0; i < 1u << 2 * shift; i++) {
@@ -183,7 +187,7 @@ static bool gather_material(const struct output *o, const struct block *k, uint3
                 }
                 const struct raster_surface *first = s - (i & 1) - (i >> 1) * RASTER_TILE_WIDTH;
                 bool again = false; /* an earlier sample of the pixel shows the same */
-                for (uint32_t j = 0; j < i && k->whole_pixels; j++)
+                for (uint32_t j = 0; j < i && o->whole_pixels; j++)
                     again |= slot_of(first + (j & 1) + (j >> 1) * RASTER_TILE_WIDTH) == slot_of(s);
                 if (!again)
                     gather_pixel(o, k, x, y, index, stats);
@@ -193,19 +197,49 @@ static bool gather_material(const struct output *o, const struct block *k, uint3
     return left;
 }
 
-static void shade_block(const struct output *o, uint32_t x, uint32_t y, bool whole_pixels, struct raster_stats *stats)
+static void shade_block(const struct output *o, uint32_t x, uint32_t y, unsigned shift, struct raster_stats *stats)
 {
-    const unsigned shift = o->r->block_shift;
-    const uint32_t edge = 1u << shift, px = o->x0 + x, py = o->y0 + y;
-    struct block k = {.x = x, .y = y, .whole_pixels = whole_pixels};
-    for (uint32_t i = 0; i < 4; i++)
-        k.view[i] = raster_view_vector(o->r, px + ((i & 1) << shift), py + ((i >> 1) << shift));
-    raster_view_planes(k.plane, k.view, shift);
-    o->t->batch.x = px;
-    o->t->batch.y = py;
-    while (gather_material(o, &k, o->width - x < edge ? o->width - x : edge,
-                           o->height - y < edge ? o->height - y : edge, stats))
+    const uint32_t edge = 1u << shift, right = o->width - x, below = o->height - y;
+    struct raster_block k;
+    raster_block_setup(&k, o->r, o->x0, o->y0, x, y, shift);
+    while (gather_material(o, &k, right < edge ? right : edge, below < edge ? below : edge, stats))
         ;
+}
+
+/* Whether a surface of the largest block's pixels is for blocks. */
+static bool block_occupied(const struct output *o, uint32_t x0, uint32_t y0)
+{
+    const unsigned shift = o->r->sample_shift;
+    const uint32_t edge = 1u << RASTER_BLOCK_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
+                   below = o->height - y0 < edge ? o->height : y0 + edge;
+    for (uint32_t y = y0 << shift; y < below << shift; y++) {
+        const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+        for (uint32_t x = x0 << shift; x < right << shift; x++)
+            if (slot_of(&row[x]) && !o->r->in_rows[o->t->slots[slot_of(&row[x])].material])
+                return true;
+    }
+    return false;
+}
+
+/* A block of the largest size, in smaller ones where planes do not hold: in Z order, each as large as its place allows. */
+static void shade_largest(const struct output *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
+{
+    unsigned shift = o->r->block_shift;
+    for (uint32_t z = 0; z < 1u << 2 * RASTER_BLOCK_SHIFT; z += 1u << 2 * shift) {
+        uint32_t x = x0, y = y0;
+        for (unsigned i = 0; i < RASTER_BLOCK_SHIFT; i++) {
+            x += (z >> 2 * i & 1) << i;
+            y += (z >> (2 * i + 1) & 1) << i;
+        }
+        shift = o->r->block_shift;
+        while (z & ((1u << 2 * shift) - 1))
+            shift--;
+        if (x >= o->width || y >= o->height)
+            continue;
+        while (shift > 0 && !raster_block_regular(o->r, o->x0 + x, o->y0 + y, shift))
+            shift--;
+        shade_block(o, x, y, shift, stats);
+    }
 }
 
 /* Whether some slot of the tile is for blocks; and its point lights. */
@@ -219,14 +253,14 @@ static bool prepare_blocks(const struct output *o, const struct raster_rect *rec
     return any;
 }
 
-static void shade_blocks(const struct output *o, const struct raster_rect *rect, bool whole_pixels,
-                         struct raster_stats *stats)
+static void shade_blocks(const struct output *o, const struct raster_rect *rect, struct raster_stats *stats)
 {
     if (!prepare_blocks(o, rect))
         return;
-    for (uint32_t y = 0; y < o->height; y += 1u << o->r->block_shift)
-        for (uint32_t x = 0; x < o->width; x += 1u << o->r->block_shift)
-            shade_block(o, x, y, whole_pixels, stats);
+    for (uint32_t y = 0; y < o->height; y += 1u << RASTER_BLOCK_SHIFT)
+        for (uint32_t x = 0; x < o->width; x += 1u << RASTER_BLOCK_SHIFT)
+            if (block_occupied(o, x, y))
+                shade_largest(o, x, y, stats);
 }
 
 /* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
@@ -318,7 +352,8 @@ static void finish_samples(const struct output *o, struct raster_stats *stats)
         }
 }
 
-static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                                 bool whole_pixels)
 {
     return (struct output){.r = r,
                            .t = t,
@@ -326,14 +361,15 @@ static struct output make_output(const struct raster *r, struct raster_tile *t, 
                            .height = rect->height,
                            .x0 = rect->x,
                            .y0 = rect->y,
-                           .format = r->sample_shift ? RASTER_RGB888 : r->frame.format};
+                           .format = r->sample_shift ? RASTER_RGB888 : r->frame.format,
+                           .whole_pixels = whole_pixels};
 }
 
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect);
-    shade_blocks(&o, rect, true, stats);
+    const struct output o = make_output(r, t, rect, true);
+    shade_blocks(&o, rect, stats);
     if (r->sample_shift)
         finish_samples(&o, stats);
     else
@@ -343,8 +379,8 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
 void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect);
-    shade_blocks(&o, rect, false, stats);
+    const struct output o = make_output(r, t, rect, false);
+    shade_blocks(&o, rect, stats);
     t->batch.diffuse_material = 0;
     for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
         for (uint32_t x = 0; x < o.width;) {
@@ -353,7 +389,7 @@ void raster_shade_samples(const struct raster *r, struct raster_tile *t, const s
             if (slot) {
                 const uint32_t *value = shade_run(&o, slot, x, y, count, stats);
                 for (uint32_t i = 0; i < count; i++)
-                    put_colour(&o, index + i, value[i], false);
+                    put_colour(&o, index + i, value[i]);
             }
             x += count;
         }

@@ -30,16 +30,16 @@ uint32_t raster_shade_specular_frame(struct raster_batch *b, uint32_t first, uin
                                      const struct raster_block_light *light)
 {
     const struct lut_table *t = r->frame.tables[r->frame.materials[b->material].slot];
-    struct raster_walk walk = {.y = RASTER_BLOCK};
+    struct raster_walk walk = {.y = UINT32_MAX};
     uint32_t lit = 0;
     for (uint32_t i = first; i < end; i++) {
         struct raster_pixel p;
         if (!raster_walk_pixel(&p, &walk, b, light, i, false))
             continue;
         lit++;
-        const uint32_t cosine = (uint32_t)fx_min(p.nl, (1 << 30) - 1) << 2;                              /* Q32 */
-        int32_t nl = fx_min(p.nl, 1 << 30), nv = fx_min(b->nv[i], 1 << 30), sine = (int32_t)p.term << 3; /* Q30 */
-        uint32_t q = (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb)), half_in;                   /* Q28 */
+        const uint32_t cosine = (uint32_t)fx_min(p.nl, (1 << 30) - 1) << 2;                                    /* Q32 */
+        int32_t nl = fx_min(p.nl, 1 << 30), nv = fx_min(b->pixel[i].nv, 1 << 30), sine = (int32_t)p.term << 3; /* Q30 */
+        uint32_t q = (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb)), half_in;                         /* Q28 */
         q = q > 1u << 28 ? 1u << 28 : q;
         if (t->swap && nl < nv) { /* a and b change their signs with l and v */
             int32_t swapped = nl;
@@ -48,18 +48,17 @@ uint32_t raster_shade_specular_frame(struct raster_batch *b, uint32_t first, uin
             sine = -sine;
             half_in = (uint32_t)((1 << 30) - nl) >> 1;
         } else { /* |n-l|^2 / 4, at most 2 / 4 */
-            half_in = fx_square(lane_low(b->normal_xy[i]) - lane_low(light->l_xy)) / 4 +
-                      fx_square(lane_high(b->normal_xy[i]) - lane_high(light->l_xy)) / 4 +
-                      fx_square(b->normal_z[i] - light->l_z) / 4;
+            half_in = fx_square(lane_low(b->pixel[i].normal_xy) - lane_low(light->l_xy)) / 4 +
+                      fx_square(lane_high(b->pixel[i].normal_xy) - lane_high(light->l_xy)) / 4 +
+                      fx_square(b->pixel[i].normal_z - light->l_z) / 4;
         }
         int32_t x = nl - nv - (int32_t)(fx_mulhi_u((uint32_t)nl, q << 3) << 2); /* Q30 */
         int32_t y = -fx_mulhi(p.nb, sine) * 8;
         struct lut_rgb f =
             lut_specular_frame_at(t, lut_angle_from_sin2_half(half_in), angle_of(q << 2), lut_turn(y, x));
-        uint32_t c[3];
         for (int k = 0; k < 3; k++)
-            c[k] = contribution(fx_mulhi_u(f.c[k] << 10, cosine), f.e - 10, light->colour[k]);
-        raster_add(b->radiance[i], c[0], c[1], c[2]);
+            b->radiance[i][k] +=
+                raster_limited(contribution(fx_mulhi_u(f.c[k] << 10, cosine), f.e - 10, light->colour[k]));
     }
     return lit;
 }
