@@ -37,7 +37,7 @@ static const char help[] =
     "  --max-de E       the smallest of 1K, 2K, 4K, ... 256K whose mean colour difference from the source is at most "
     "E\n"
     "                   (0.001..100, CIE 1976, on pictures of a sphere); exit code 11 when none is\n"
-    "  --packed         adds the copy for SIMD: faster on cores that have it, about three times the bytes\n"
+    "  --packed         adds the copy for SIMD: faster on cores that have it, three to six times the bytes\n"
     "\n"
     "specular_frame\n"
     "  --size WxH       nodes over phi_d (0..360 degrees) and theta_d (0..180); default 361x181, each 2..4096\n"

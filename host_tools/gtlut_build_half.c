@@ -1,4 +1,5 @@
 /* gtlut build: the half-vector table. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "common.h"
@@ -11,32 +12,40 @@ static void symmetric_value(double rgb[3], const void *ctx, const double l[3], c
     source_symmetric(rgb, ctx, l, v);
 }
 
-/* Fits the smallest table of the ladder whose mean colour difference is at most max_de. */
+/* Fits the smallest of 1K, 2K, ... 256K whose mean colour difference is at most max_de, found by halving: larger tables are taken
+ * to be truer. */
 static void fit_within(struct half_vector *table, double *seconds, const struct build_input *in,
                        const struct brdf_source *truth, double max_de)
 {
-    double best = 0;
-    unsigned best_size = 0;
+    enum { SIZES = 9 };
+    unsigned low = 0, high = SIZES; /* the answer; SIZES: none */
+    double smallest = INFINITY;
     *seconds = 0;
-    for (unsigned kilobytes = 1; kilobytes <= 256; kilobytes *= 2) {
-        struct half_vector_options size = {.texels = 256 * kilobytes};
+    while (low < high) {
+        unsigned size = (low + high) / 2;
+        struct half_vector_options options = {.texels = 256u << size};
         struct half_vector_report report;
+        struct half_vector one;
         struct brdf_source source;
         struct metrics m;
-        half_vector_build(table, &report, &in->source, &size);
+        half_vector_build(&one, &report, &in->source, &options);
         *seconds += report.seconds;
-        half_vector_source(&source, table, "table");
+        half_vector_source(&source, &one, "table");
         metrics_pictures(&m, &source, truth);
-        if (m.de_mean <= max_de)
-            return;
-        if (!best_size || m.de_mean < best) {
-            best = m.de_mean;
-            best_size = kilobytes;
+        smallest = fmin(smallest, m.de_mean);
+        if (m.de_mean > max_de) {
+            low = size + 1;
+            half_vector_free(&one);
+            continue;
         }
-        half_vector_free(table);
+        if (high < SIZES)
+            half_vector_free(table);
+        high = size;
+        *table = one;
     }
-    die(EXIT_WANTING, "--max-de: %g is not reached, the smallest mean dE is %.4g at %uK; allow more", max_de, best,
-        best_size);
+    if (high == SIZES)
+        die(EXIT_WANTING, "--max-de: %g is not reached, the smallest mean dE is %.4g at 256K; allow more", max_de,
+            smallest);
 }
 
 static char *error_text(const struct metrics *m)

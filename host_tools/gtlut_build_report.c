@@ -36,7 +36,7 @@ static void print_text(const struct build_result *r, const struct comparison *c,
         fprintf(stderr, "albedo at theta_in %g: %.4f %.4f %.4f, of the source %.4f %.4f %.4f\n", table_albedo_angles[i],
                 t[0], t[1], t[2], s[0], s[1], s[2]);
     }
-    if (source->theta_in < 90 || source->theta_out < 90)
+    if (source->theta_in < 89.5 || source->theta_out < 89.5)
         fprintf(stderr, "measured up to theta_in %g, theta_out %g: beyond, the source is an extrapolation itself\n",
                 source->theta_in, source->theta_out);
 }
@@ -89,9 +89,10 @@ void build_report(const struct build_result *r, const struct brdf_source *table,
         metrics_albedo(c.table[i], table, table_albedo_angles[i]);
         const double *a = c.table[i];
         if (fmax(a[0], fmax(a[1], a[2])) > albedo_limit)
-            warn("theta_in %g: albedo %.3f %.3f %.3f is above 1: the table creates energy; %s", table_albedo_angles[i],
-                 a[0], a[1], a[2],
-                 r->kind == LUT_HALF_VECTOR ? "does the source, too?"
+            warn("theta_in %g: albedo %.3f %.3f %.3f is above 1, the source's is %.3f %.3f %.3f: the table creates "
+                 "energy; %s",
+                 table_albedo_angles[i], a[0], a[1], a[2], c.source[i][0], c.source[i][1], c.source[i][2],
+                 r->kind == LUT_HALF_VECTOR ? "check the source"
                                             : "was the lobe sampled too coarsely, or is --p too high?");
     }
     print_text(r, &c, source);

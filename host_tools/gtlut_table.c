@@ -78,5 +78,6 @@ double table_theta_d(const struct half_vector *t, uint32_t j)
 {
     /* y = (1 + sin - cos) / 2 = (1 + sqrt(2) sin(theta_d - 45 degrees)) / 2 */
     double y = warp_position(t->warp_d, LUT_WARP_D_NODES, j) / 64;
-    return 45 + asin(fmin(fmax((2 * y - 1) / sqrt(2), -1), 1)) / degree;
+    double x = 45 + asin(fmin(fmax((2 * y - 1) / sqrt(2), -1), 1)) / degree;
+    return fmax(round(x * 1e9) / 1e9, 0); /* 0 and 90 to the digit */
 }
