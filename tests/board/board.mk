@@ -39,6 +39,8 @@ endef
 define BOARD_PROGRAMS
 $(B)/board/$(1)/work_a.elf $(B)/board/$(1)/fault.elf: $(B)/board/$(1)/%.elf: $(B)/board/$(1)/tests/board/%/main.o $(BOARD_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
+$(B)/board/$(1)/shade.elf: $(B)/board/$(1)/tests/board/shade/main.o $(B)/board/$(1)/tests/board/shade/sphere.o $(BOARD_OBJ_$(1))
+	$(BOARD_CC_$(1)) $(BOARD_LINK) -Wl,--wrap=raster_finish_pixels $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 endef
