@@ -179,6 +179,10 @@ $(B)/tests/exhaustive/%: $(B)/host/tests/exhaustive/%.o $(B)/libreference.a $(LI
 $(B)/bench/%: $(B)/host/tests/bench/%.o $(LIBS)
 	@mkdir -p $(@D)
 	$(CC) -o $@ $^ -lz -lm -ldl
+$(B)/bench/bench_usb: $(B)/host/tests/bench/bench_usb.o $(FAULT_C:%.c=$(B)/host/%.o) $(B)/libreference.a $(LIBS)
+	@mkdir -p $(@D)
+	$(CC) -o $@ $^ -lz -lm -ldl
+$(B)/host/tests/bench/bench_usb.o: HOST += -Itests/fault
 
 # --- installation ---
 BIN := $(DESTDIR)$(PREFIX)/bin

@@ -14,7 +14,9 @@ static const char help[] =
     "From a reflectance measurement to the table a device shades with.\n"
     "\n"
     "  measure MATERIAL -o out.csv   sample an analytic material with a virtual goniophotometer\n"
-    "  import FILE -o out.gtm        CSV or EPFL RGL .bsdf to a measurement file\n"
+    "  formats                       list the measurement formats that are read\n"
+    "  import FILE -o out.gtm        a measurement of any of them to a measurement file\n"
+    "  check FILE                    look for what is wrong or missing in a measurement, and repair it\n"
     "  build SOURCE -o out.ktx2      measurement file, CSV, .bsdf, fit or table to a table\n"
     "  info FILE                     describe a measurement or a table\n"
     "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
@@ -23,7 +25,7 @@ static const char help[] =
     "  gtlut --version\n"
     "\n"
     "Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written, 4 bad input file, 11 found wanting\n"
-    "(--max-de not reached).\n";
+    "(check, --max-de not reached).\n";
 
 int gtlut_option(int argc, char **argv, const struct option *options, const char *subcommand_help)
 {
@@ -62,7 +64,9 @@ int main(int argc, char **argv)
                        {"import", gtlut_import},
                        {"build", gtlut_build},
                        {"info", gtlut_info},
-                       {"export", gtlut_export}};
+                       {"export", gtlut_export},
+                       {"formats", gtlut_formats},
+                       {"check", gtlut_check}};
     common_set_name("gtlut", NULL);
     if (argc < 2)
         die(EXIT_USAGE, "no subcommand; see gtlut --help");

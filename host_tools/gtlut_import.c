@@ -6,70 +6,113 @@
 #include <string.h>
 
 #include "common.h"
-#include "host_csv.h"
-#include "host_measurement.h"
-#include "host_rgl.h"
+#include "gtlut_import.h"
+#include "host_check.h"
+#include "host_import.h"
+#include "host_resample.h"
 
 static const char help[] =
     "usage: gtlut import FILE -o out.gtm [options]\n"
     "\n"
-    "Brings a measurement to the measurement file that gtlut build reads. The format is told from the content:\n"
+    "Brings a measurement to the measurement file that gtlut build reads. The format is told from the content; gtlut\n"
+    "formats lists what is read. Samples on a regular grid are kept as they are. Irregular ones are resampled to\n"
+    "--geometry, and so are formats that hold a function of any two directions. What lies beyond the measured angles "
+    "is\n"
+    "marked as extrapolated in the file.\n"
     "\n"
-    "  csv   a header line naming theta_in,theta_out,phi_out,R,G,B in any order; degrees and 1/sr; # comments\n"
-    "  rgl   EPFL RGL material database, isotropic RGB .bsdf, evaluated at the directions of --geometry\n"
+    "  -o FILE               the measurement file, - for stdout\n"
+    "  --format NAME         refuse a file of another format\n"
+    "  --geometry NAME       minidiff: theta_in 0 20 40 60, theta_out 0..75 (default); dense: theta_in 0 5 .. 85,\n"
+    "                        theta_out 0..88; both in steps of one degree over theta_out and phi_out 0..359\n"
+    "  --illuminant NAME     of spectral data: D65 (default), E or A\n"
+    "  --axes WxHxN          of a composite image: N slices of W x H nodes (phi_d, theta_d)\n"
+    "  --theta-max DEGREES   of a composite image: theta_in of the last slice, default 60\n"
+    "  --fill-blind-spot     interpolate across the spot around the light that the instrument cannot see, and mark it\n"
     "\n"
-    "  -o FILE          the measurement file, - for stdout\n"
-    "  --format NAME    csv or rgl: refuse a file of the other format\n"
-    "  --geometry NAME  for rgl. minidiff: theta_in 0 20 40 60, theta_out 0..75 (default); dense: theta_in 0 5 .. 85,\n"
-    "                   theta_out 0..88; both in steps of one degree over theta_out and phi_out 0..359\n";
+    "Example: gtlut import blue.bsdf --geometry dense -o blue.gtm && gtlut build blue.gtm -o blue.ktx2\n";
 
-#define MAX_FILE_BYTES ((size_t)1 << 30)
+static void parse_axes(struct import_options *o, const char *text)
+{
+    char tail;
+    if (sscanf(text, "%4ux%4ux%4u%c", &o->width, &o->height, &o->depth, &tail) != 3 || o->width < 2 || o->height < 2 ||
+        !o->depth || o->width > 4096 || o->height > 4096 || (size_t)o->width * o->height * o->depth > (size_t)1 << 24)
+        die(EXIT_USAGE, "--axes: '%s' is not WIDTHxHEIGHTxSLICES with 2 to 4096 nodes and at most 16777216 in all",
+            text);
+}
+
+bool gtlut_import_option(struct import_options *o, int c)
+{
+    if (c == 'g')
+        o->geometry = measurement_geometry_find(optarg);
+    else if (c == 'l')
+        o->illuminant = spectral_illuminant_find(optarg);
+    else if (c == 'x')
+        parse_axes(o, optarg);
+    else if (c == 't')
+        o->theta_max = parse_double("--theta-max", optarg, 0.1, 90);
+    else
+        return false;
+    return true;
+}
+
+static void resample(struct measurement *m, const struct measurement_geometry *g, const char *path)
+{
+    struct measurement grid;
+    warn("%s: %zu samples at %zu angles of incidence resampled to the directions of %s", path, m->count,
+         measurement_slice_count(m), g->name);
+    measurement_resample(&grid, m, g);
+    measurement_free(m);
+    *m = grid;
+}
 
 int gtlut_import(int argc, char **argv)
 {
-    static const struct option options[] = {{"format", required_argument, 0, 'f'},
-                                            {"geometry", required_argument, 0, 'g'},
-                                            {"help", no_argument, 0, 'h'},
-                                            {0}};
-    const struct measurement_geometry *g = NULL;
-    const char *output = NULL, *format = NULL;
+    static const struct option options[] = {
+        {"format", required_argument, 0, 'f'}, {"fill-blind-spot", no_argument, 0, 'b'}, GTLUT_IMPORT_OPTIONS, {0}};
+    struct import_options o = {.theta_max = 60};
+    const char *output = NULL, *format_name = NULL;
+    bool fill = false;
     for (int c; (c = gtlut_option(argc, argv, options, help)) != -1;) {
+        if (gtlut_import_option(&o, c))
+            continue;
         if (c == 'o')
             output = optarg;
-        else if (c == 'g')
-            g = measurement_geometry_find(optarg);
+        else if (c == 'f')
+            format_name = import_format_find(optarg)->name;
         else
-            format = optarg;
+            fill = true;
     }
-    if (format && strcmp(format, "csv") && strcmp(format, "rgl"))
-        die(EXIT_USAGE, "--format: '%s' is not csv or rgl", format);
     const char *input = gtlut_argument(argc, argv, "file");
     gtlut_need_output(output);
+    bool geometry_given = o.geometry != NULL;
+    o.geometry = geometry_given ? o.geometry : measurement_geometry_find("minidiff");
 
     size_t bytes;
-    uint8_t *data = read_file(input, MAX_FILE_BYTES, &bytes);
-    bool is_rgl = rgl_recognise(data, bytes);
-    if (measurement_recognise(data, bytes))
+    uint8_t *data = read_file(input, (size_t)1 << 30, &bytes);
+    const struct import_format *format = import_format_of(data, bytes);
+    if (measurement_recognise(data, bytes) && !fill)
         die(EXIT_BAD_INPUT, "%s: already a measurement file; give it to gtlut build", input);
-    if (format && is_rgl != !strcmp(format, "rgl"))
-        die(EXIT_BAD_INPUT, "%s: is %s, not %s; leave --format out", input, is_rgl ? "rgl" : "not an RGL file", format);
-    if (g && !is_rgl)
-        die(EXIT_USAGE, "--geometry: CSV keeps its own directions; leave the option out");
+    if (format_name && strcmp(format_name, format->name))
+        die(EXIT_BAD_INPUT, "%s: is %s, not %s; leave --format out", input, format->name, format_name);
 
     struct measurement m;
-    if (is_rgl) {
-        struct rgl *r = rgl_open(input, data, bytes);
-        rgl_sample(&m, r, input, g ? g : measurement_geometry_find("minidiff"));
-        rgl_close(r);
-    } else {
-        csv_parse(&m, input, (char *)data, bytes);
+    o.raw = fill;
+    import_load(&m, format, input, data, bytes, &o);
+    free(data);
+    if (fill)
+        check_fill_blind_spot(&m, input);
+    if (!format->evaluated) {
+        char *problem = measurement_grid_problem(&m);
+        if (!problem && geometry_given)
+            die(EXIT_USAGE, "--geometry: %s keeps its own directions, which form a grid; leave the option out",
+                format->name);
+        if (problem && !geometry_given && !strcmp(format->name, "csv"))
+            die(EXIT_BAD_INPUT, "%s: %s, or give --geometry to resample", input, problem);
+        if (problem)
+            resample(&m, o.geometry, input);
+        free(problem);
     }
-    struct measurement_grid
-        grid; /* a cloud that no table can be built from is refused here, where its source is at hand */
-    measurement_grid_make(&grid, &m, input);
-    measurement_grid_free(&grid);
     measurement_write(&m, output);
     measurement_free(&m);
-    free(data);
     return EXIT_OK;
 }

@@ -17,6 +17,7 @@ struct csv {
     int columns;
     int field[MAX_COLUMNS]; /* of a column, or IGNORED */
     size_t negative, first_negative_line;
+    bool raw;
 };
 
 /* Cuts the next cell off *rest at a comma and trims it; *rest becomes NULL after the last one. */
@@ -71,6 +72,8 @@ static void check_angle(const struct csv *c, int f, double x)
 
 static double check_value(struct csv *c, int f, double x)
 {
+    if (c->raw)
+        return x;
     if (!(fabs(x) <= FLT_MAX))
         die(EXIT_BAD_INPUT, "%s:%zu: %s is %g, not a finite number; repeat or remove that measurement", c->path,
             c->line, field_names[f], x);
@@ -113,12 +116,14 @@ static void parse_row(struct measurement *out, struct csv *c, char *line)
     measurement_add(out, &point);
 }
 
-void csv_parse(struct measurement *out, const char *path, char *text, size_t bytes)
+void csv_parse(struct measurement *out, const char *path, char *text, size_t bytes, bool raw)
 {
-    struct csv c = {.path = path};
+    struct csv c = {.path = path, .raw = raw};
     const char *nul = memchr(text, 0, bytes);
     if (nul)
-        die(EXIT_BAD_INPUT, "%s: byte %zu is NUL; neither a measurement file nor CSV text", path, (size_t)(nul - text));
+        die(EXIT_BAD_INPUT,
+            "%s: byte %zu is NUL; neither a measurement file nor CSV text: gtlut import reads other formats", path,
+            (size_t)(nul - text));
     measurement_init(out, path);
     if (!strncmp(text, "\xef\xbb\xbf", 3)) /* UTF-8 byte order mark */
         text += 3;

@@ -2,6 +2,7 @@
 #include "host_image.h"
 
 #include <dlfcn.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -24,7 +25,7 @@ static void *shim_symbol(const char *name)
         const char *found = access(beside, R_OK) ? installed : beside;
         shim = dlopen(found, RTLD_NOW | RTLD_LOCAL);
         if (!shim)
-            die(EXIT_FILE, "image output needs OpenImageIO: %s; run `make` (or install libopenimageio)", dlerror());
+            die(EXIT_FILE, "images need OpenImageIO: %s; run `make` (or install libopenimageio)", dlerror());
         free(beside);
         free(installed);
     }
@@ -59,4 +60,21 @@ void image_write_float(const char *path, int width, int height, int channels, co
     if (write.function(temporary, width, height, channels, pixels, err, sizeof err))
         die(EXIT_FILE, "%s: %s; give a writable .exr path", path, err);
     output_commit(temporary, path);
+}
+
+float *image_read_rgb(int *width, int *height, const char *path)
+{
+    union {
+        void *object;
+        oiio_read_fn *function;
+    } read = {shim_symbol("oiio_read_image")};
+    char err[512] = "";
+    float *rgb;
+    if (access(path, R_OK))
+        die(EXIT_FILE, "%s: %s; give a readable image file", path, strerror(errno));
+    if (read.function(path, (size_t)1 << 25, width, height, &rgb, err, sizeof err)) {
+        err[strcspn(err, "\n")] = 0;
+        die(EXIT_BAD_INPUT, "%s: %s; give an intact image", path, err);
+    }
+    return rgb;
 }

@@ -1,5 +1,5 @@
 /*
- * Image output for every host program, through OpenImageIO in goniotile_oiio.so, which is opened on first
+ * Image files for every host program, through OpenImageIO in goniotile_oiio.so, which is opened on first
  * use: from the executable's own folder, else from ../lib/goniotile beside it.
  *
  * Pixels are row-major, top row first, channels interleaved (1 grey, 3 RGB, 4 RGBA); the extension of `path`
@@ -16,5 +16,9 @@ void image_write_u8(const char *path, int width, int height, int channels, const
 
 /* Linear light in 32-bit floats (EXR). */
 void image_write_float(const char *path, int width, int height, int channels, const float *pixels);
+
+/* Reads an image of at most 2^25 pixels as linear RGB, malloc'd; further channels are ignored, grey is repeated. Dies with EXIT_FILE
+ * when the shared object or the file is missing, with EXIT_BAD_INPUT when the file cannot be decoded. */
+float *image_read_rgb(int *width, int *height, const char *path);
 
 #endif

@@ -90,22 +90,22 @@ void measurement_add(struct measurement *m, const struct measurement_point *poin
 }
 
 void measurement_sample(struct measurement *m, const struct measurement_geometry *g,
-                        void (*value)(double rgb[3], const void *ctx, double theta_in, double theta_out,
-                                      double phi_out),
+                        enum measurement_mark (*value)(double rgb[3], const void *ctx, double theta_in,
+                                                       double theta_out, double phi_out),
                         const void *ctx, double theta_in_last)
 {
     const double degree = 3.14159265358979323846 / 180;
     for (int i = 0; i < g->theta_in_count; i++) {
         double theta_in = i * g->theta_in_step, rgb[3];
-        uint32_t mark = theta_in > theta_in_last + 1e-3 ? MEASUREMENT_EXTRAPOLATED : MEASURED;
+        bool beyond = theta_in > theta_in_last + 1e-3;
         for (int theta = 0; theta <= g->theta_out_max; theta++)
             for (int phi = 0; phi < 360; phi++) {
-                value(rgb, ctx, theta_in * degree, theta * degree, phi * degree);
+                enum measurement_mark mark = value(rgb, ctx, theta_in * degree, theta * degree, phi * degree);
                 measurement_add(m, &(struct measurement_point){(float)theta_in,
                                                                (float)theta,
                                                                (float)phi,
                                                                {(float)rgb[0], (float)rgb[1], (float)rgb[2]},
-                                                               mark});
+                                                               beyond ? MEASUREMENT_EXTRAPOLATED : mark});
             }
     }
 }
@@ -180,7 +180,7 @@ void measurement_load(struct measurement *out, const char *path, uint8_t *data, 
     if (measurement_recognise(data, bytes))
         measurement_parse(out, path, data, bytes);
     else
-        csv_parse(out, path, (char *)data, bytes);
+        csv_parse(out, path, (char *)data, bytes, false);
 }
 
 void measurement_read(struct measurement *out, const char *path)

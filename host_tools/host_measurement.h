@@ -51,11 +51,11 @@ void measurement_init(struct measurement *out, const char *source);
 void measurement_add(struct measurement *m, const struct measurement_point *point);
 void measurement_free(struct measurement *m);
 
-/* Adds the BRDF `value` (1/sr, angles in radians) at every direction of the geometry. theta_in above `theta_in_last` degrees is
- * marked as extrapolated. */
+/* Adds the BRDF `value` (1/sr, angles in radians; it tells how it knows) at every direction of the geometry. theta_in above
+ * `theta_in_last` degrees is marked as extrapolated. */
 void measurement_sample(struct measurement *m, const struct measurement_geometry *g,
-                        void (*value)(double rgb[3], const void *ctx, double theta_in, double theta_out,
-                                      double phi_out),
+                        enum measurement_mark (*value)(double rgb[3], const void *ctx, double theta_in,
+                                                       double theta_out, double phi_out),
                         const void *ctx, double theta_in_last);
 
 /* Reads a measurement file (SPEC.md, "Measurement file") or CSV, told apart by content. Dies with EXIT_FILE or

@@ -306,9 +306,10 @@ double rgl_theta_in(const struct rgl *r)
     return r->theta_i.data[r->theta_i.count - 1] * 180 / pi;
 }
 
-static void sample(double rgb[3], const void *r, double theta_in, double theta_out, double phi_out)
+static enum measurement_mark sample(double rgb[3], const void *r, double theta_in, double theta_out, double phi_out)
 {
     rgl_value(rgb, r, theta_in, theta_out, phi_out);
+    return MEASURED;
 }
 
 void rgl_sample(struct measurement *out, const struct rgl *r, const char *source, const struct measurement_geometry *g)

@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <string>
@@ -47,4 +48,34 @@ extern "C" int oiio_write_image_u8(const char *path, int width, int height, int 
                                    char *err, size_t err_bytes)
 {
     return write(path, width, height, channels, OIIO::TypeDesc::UINT8, pixels, "sRGB", err, err_bytes);
+}
+
+extern "C" int oiio_read_image(const char *path, size_t max_pixels, int *width, int *height, float **rgb, char *err,
+                               size_t err_bytes)
+{
+    try {
+        std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path);
+        if (!in)
+            return fail(err, err_bytes, OIIO::geterror());
+        const OIIO::ImageSpec &spec = in->spec();
+        size_t pixels = spec.width > 0 && spec.height > 0 ? size_t(spec.width) * size_t(spec.height) : 0;
+        if (!pixels || pixels > max_pixels || spec.nchannels < 1 || spec.nchannels > 4 || spec.depth > 1)
+            return fail(err, err_bytes, "an image of 1 to 4 channels within the size limit is wanted");
+        int channels = spec.nchannels >= 3 ? 3 : 1;
+        *width = spec.width;
+        *height = spec.height;
+        float *data = static_cast<float *>(std::malloc(pixels * 3 * sizeof(float)));
+        if (!data)
+            return fail(err, err_bytes, "out of memory");
+        if (!in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, data)) {
+            std::free(data);
+            return fail(err, err_bytes, in->geterror());
+        }
+        for (size_t i = pixels; channels == 1 && i-- > 0;)
+            data[3 * i] = data[3 * i + 1] = data[3 * i + 2] = data[i];
+        *rgb = data;
+    } catch (const std::exception &e) {
+        return fail(err, err_bytes, e.what());
+    }
+    return 0;
 }

@@ -21,6 +21,11 @@ typedef int oiio_write_u8_fn(const char *path, int width, int height, int channe
 oiio_write_float_fn oiio_write_image; /* linear light, stored as 32-bit float where the format can */
 oiio_write_u8_fn oiio_write_image_u8; /* sRGB-encoded */
 
+/* Read an image of at most max_pixels as RGB floats (grey is repeated), malloc'd into *rgb. Returns as above. */
+typedef int oiio_read_fn(const char *path, size_t max_pixels, int *width, int *height, float **rgb, char *err,
+                         size_t err_bytes);
+oiio_read_fn oiio_read_image;
+
 #ifdef __cplusplus
 }
 #endif

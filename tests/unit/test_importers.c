@@ -77,14 +77,14 @@ static void *copy_of(const struct bytes *b, bool with_nul)
 static void parse_text(struct measurement *m, const char *text)
 {
     char *copy = xstrdup(text);
-    csv_parse(m, "in.csv", copy, strlen(text));
+    csv_parse(m, "in.csv", copy, strlen(text), false);
     free(copy);
 }
 
 static void read_csv(const struct bytes *b)
 {
     struct measurement m;
-    csv_parse(&m, "in.csv", copy_of(b, true), b->count);
+    csv_parse(&m, "in.csv", copy_of(b, true), b->count, false);
 }
 
 static void csv_dies(const char *text, const char *message)
@@ -121,7 +121,7 @@ static void csv_brings_azimuths_into_one_turn(void **state)
 static void read_csv_counting(const struct bytes *b)
 {
     struct measurement m;
-    csv_parse(&m, "in.csv", copy_of(b, true), b->count);
+    csv_parse(&m, "in.csv", copy_of(b, true), b->count, false);
     if (m.points[0].rgb[0] != 0 || m.points[1].rgb[2] != 0 || m.points[1].rgb[1] != 1)
         _exit(99);
 }
@@ -181,7 +181,7 @@ static void read_csv_grid(const struct bytes *b)
 {
     struct measurement m;
     struct measurement_grid g;
-    csv_parse(&m, "in.csv", copy_of(b, true), b->count);
+    csv_parse(&m, "in.csv", copy_of(b, true), b->count, false);
     measurement_grid_make(&g, &m, "in.csv");
 }
 

@@ -1,0 +1,81 @@
+/*
+ * What the tests of the importers share: running a reader that may die, and files in every format made from one analytic BRDF.
+ */
+#ifndef TESTS_UNIT_IMPORTER_FIXTURE_H
+#define TESTS_UNIT_IMPORTER_FIXTURE_H
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common.h"
+
+struct bytes {
+    uint8_t *data;
+    size_t count, room;
+};
+
+static char child_message[4096];
+
+/* Skips the leak check at the child's end: what it holds when it dies is no leak. */
+static void leave(int status, void *unused)
+{
+    (void)unused;
+    _exit(status);
+}
+
+/* Runs `read` on the bytes in a child process; returns its exit code and keeps what it said on stderr in child_message. */
+static int exit_code_of(void (*read)(const struct bytes *), const struct bytes *b)
+{
+    static FILE *said;
+    if (!said)
+        said = tmpfile();
+    assert_non_null(said);
+    assert_int_equal(ftruncate(fileno(said), 0), 0);
+    rewind(said);
+    fflush(NULL);
+    pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        on_exit(leave, NULL);
+        dup2(fileno(said), 2);
+        common_set_name("test", NULL);
+        read(b);
+        _exit(0);
+    }
+    int status;
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    rewind(said);
+    child_message[fread(child_message, 1, sizeof child_message - 1, said)] = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
+
+__attribute__((format(printf, 2, 3))) static inline void put_text(struct bytes *b, const char *format, ...)
+{
+    va_list args;
+    if (b->room - b->count < 512) {
+        b->room = b->room ? 2 * b->room : 4096;
+        b->data = xrealloc(b->data, b->room);
+    }
+    va_start(args, format);
+    b->count += (size_t)vsnprintf((char *)b->data + b->count, 512, format, args);
+    va_end(args);
+}
+
+static const double fixture_pi = 3.14159265358979323846;
+
+/* A reciprocal BRDF with a broad lobe around the mirror direction over a diffuse base; angles in degrees. */
+static inline double fixture_brdf(double theta_in, double theta_out, double phi)
+{
+    double a = theta_in * fixture_pi / 180, b = theta_out * fixture_pi / 180, p = phi * fixture_pi / 180;
+    double h[3] = {sin(a) + sin(b) * cos(p), sin(b) * sin(p), cos(a) + cos(b)};
+    double c2 = h[2] * h[2] / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+    return 0.1 + 0.8 * pow(c2, 4);
+}
+
+#endif
