@@ -103,7 +103,8 @@ static void table_value(double rgb[3], const void *ctx, const double l[3], const
 
 void half_vector_source(struct brdf_source *out, const struct half_vector *t, const char *name)
 {
-    *out = (struct brdf_source){.value = table_value, .ctx = (void *)t, .theta_in = 90, .theta_out = 90};
+    *out = (struct brdf_source){
+        .value = table_value, .ctx = (void *)t, .theta_in = 90, .theta_out = 90, .symmetric = true};
     snprintf(out->name, sizeof out->name, "%s", name);
 }
 

@@ -96,7 +96,8 @@ void source_from_table(struct brdf_source *out, const char *path, uint8_t *data,
                                     .ctx = t,
                                     .close = half_vector_source_close,
                                     .theta_in = 90,
-                                    .theta_out = 90};
+                                    .theta_out = 90,
+                                    .symmetric = true};
         free(data);
         set_name(out, path);
         return;
@@ -208,7 +209,8 @@ static void open_fit(struct brdf_source *out, const char *path, const char *name
         die(EXIT_BAD_INPUT, "%s: none of its %zu materials is '%s'; see its first column", path, count, name);
     *one = fits[i];
     free(fits);
-    *out = (struct brdf_source){.value = fit_value, .ctx = one, .close = free, .theta_in = 90, .theta_out = 90};
+    *out = (struct brdf_source){
+        .value = fit_value, .ctx = one, .close = free, .theta_in = 90, .theta_out = 90, .symmetric = true};
 }
 
 /* --- any --- */
@@ -264,6 +266,8 @@ void source_symmetric(double rgb[3], const struct brdf_source *s, const double l
     const double ml[3] = {l[0], -l[1], l[2]}, mv[3] = {v[0], -v[1], v[2]};
     double one[3];
     s->value(rgb, s->ctx, l, v);
+    if (s->symmetric)
+        return;
     s->value(one, s->ctx, v, l);
     for (int c = 0; c < 3; c++)
         rgb[c] += one[c];

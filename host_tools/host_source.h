@@ -18,6 +18,7 @@ struct brdf_source {
     void *ctx;
     void (*close)(void *ctx);   /* NULL when ctx is not owned */
     double theta_in, theta_out; /* degrees: beyond these the values are extrapolated; 90 when never */
+    bool symmetric;             /* reciprocal, and the same when mirrored at the plane of l and n */
 };
 
 /*
@@ -34,10 +35,15 @@ void source_close(struct brdf_source *s);
 /* A table file in memory, malloc'd and taken over; `path` is for messages and the name. Dies with EXIT_BAD_INPUT. */
 void source_from_table(struct brdf_source *out, const char *path, uint8_t *data, size_t bytes);
 
-/* A measurement on a grid, taken over (*grid is emptied): bilinear in the outgoing angles; between theta_in slices the value is
- * interpolated. Slices beyond the last and angles beyond the largest measured clamp. When n.l < n.v, l and v are
- * swapped (Helmholtz), so that the smaller angle of the two is looked up as theta_in. The slice theta_in = 0 is averaged over
- * phi_out first. */
+/* A measurement on a grid, taken over (*grid is emptied), made reciprocal; the slice theta_in = 0 is averaged over phi_out first.
+ * Bilinear in the outgoing angles. Between and beyond the measured theta_in:
+ * - Either direction may be the one that the instrument called incident. Both readings are taken, weighted by their
+ *   reliability: highest where that direction stands at a measured angle, low beyond the last.
+ * - A pair is looked up in the slices next to it with its half vector held: lobes stay where they are.
+ * - What rises above the material's base (of all values, the lowest hundredth in each channel) is taken to grow with
+ *   (l.h)^-5/2, as Fresnel reflectance and masking make it grow; the base stays, but falls with the cube root of n.l + n.v
+ *   where both directions are beyond the last slice.
+ */
 void source_from_grid(struct brdf_source *out, struct measurement_grid *grid, const char *name);
 
 /* Names of the materials of a table of fits; returns their number. `names` is malloc'd as one block. Dies as source_open. */

@@ -4,56 +4,95 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common.h"
 
 static const double degrees = 180 / 3.14159265358979323846;
 
-/* v's angles in the frame around the mirror direction of a light at theta, turned to the slice's: the lobe stays where it is while
- * slices are interpolated. The map is its own inverse. */
-static void mirror_frame(double out[3], const double d[3], double theta)
+struct grid_source {
+    struct measurement_grid grid;
+    double base[3];
+    double *cosine, *sine; /* of the slices' theta_in */
+};
+
+/* A pair in the frame where the direction that stands for the incident one has azimuth 0. */
+struct pair {
+    double in[3], out[3];
+};
+
+/* Cosine of half the angle between two directions, the second raised to `lowest` above the horizon. */
+static double half_cosine(const double a[3], const double b[3], double lowest)
 {
-    double s = sin(theta), c = cos(theta), x = d[0], y = d[1], z = d[2];
-    out[0] = -c * x - s * z;
-    out[1] = -y;
-    out[2] = -s * x + c * z;
+    double z = fmax(b[2], lowest), flat = b[2] < lowest ? sqrt((1 - z * z) / (1 - b[2] * b[2])) : 1;
+    return sqrt(fmax((1 + flat * (a[0] * b[0] + a[1] * b[1]) + a[2] * z) / 2, 1e-4));
 }
 
-static void slice_value(double rgb[3], const struct measurement_slice *s, const double around[3])
+/* The value at p that slice k stands for: that of the pair with the same half vector, carried over. */
+static void slice_value(double rgb[3], const struct grid_source *g, size_t k, const struct pair *p)
 {
-    double v[3];
-    mirror_frame(v, around, s->theta_in / degrees);
-    double flat = hypot(v[0], v[1]), theta = atan2(flat, v[2]) * degrees;
-    measurement_slice_value(rgb, s, theta, flat > 1e-9 ? atan2(v[1], v[0]) * degrees : 0);
+    const struct measurement_slice *s = &g->grid.slices[k];
+    const double in[3] = {g->sine[k], 0, g->cosine[k]};
+    double h[3], h2 = 0, along = 0, out[3], mirrored[3];
+    for (int i = 0; i < 3; i++) {
+        h[i] = p->in[i] + p->out[i];
+        h2 += h[i] * h[i];
+        along += in[i] * h[i];
+    }
+    for (int i = 0; i < 3; i++)
+        out[i] = 2 * along / h2 * h[i] - in[i];
+    double flat = hypot(out[0], out[1]), theta = atan2(flat, out[2]) * degrees;
+    double phi = flat > 1e-9 ? atan2(out[1], out[0]) * degrees : 0;
+    measurement_slice_value(rgb, s, theta, phi);
+    measurement_slice_value(mirrored, s, theta, -phi);
+
+    double lowest = cos(s->theta_out[s->theta_count - 1] / degrees), last = g->cosine[g->grid.count - 1];
+    double growth = half_cosine(in, out, lowest) / half_cosine(p->in, p->out, lowest), fall = 1;
+    growth = fmin(growth * growth * sqrt(growth), 8);
+    if (p->in[2] < last && p->out[2] < last)
+        fall = fmin(cbrt((p->in[2] + p->out[2]) / (in[2] + fmax(out[2], lowest))), 1);
+    for (int c = 0; c < 3; c++) {
+        double value = (rgb[c] + mirrored[c]) / 2, base = fmin(g->base[c], value);
+        rgb[c] = base * fall + (value - base) * growth;
+    }
+}
+
+/* The value with `in` as the measured direction; returns how unreliable it is: 0 at a measured angle. */
+static double reading(double rgb[3], const struct grid_source *g, const double in[3], const double out[3])
+{
+    double flat = hypot(in[0], in[1]), c = flat > 1e-9 ? in[0] / flat : 1, s = flat > 1e-9 ? in[1] / flat : 0, next[3];
+    const struct pair p = {{flat, 0, in[2]}, {c * out[0] + s * out[1], c * out[1] - s * out[0], out[2]}};
+    const struct measurement_slice *slice = g->grid.slices;
+    double theta = atan2(flat, in[2]) * degrees, last_out = slice->theta_out[slice->theta_count - 1];
+    size_t k = 0;
+    while (k + 2 < g->grid.count && slice[k + 1].theta_in <= theta)
+        k++;
+    slice_value(rgb, g, k, &p);
+    if (g->grid.count < 2)
+        return 0;
+    double t = (theta - slice[k].theta_in) / (slice[k + 1].theta_in - slice[k].theta_in), inside = fmin(t, 1);
+    slice_value(next, g, k + 1, &p);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = (1 - inside) * rgb[i] + inside * next[i];
+    double beyond = fmax(acos(fmin(out[2], 1)) * degrees - last_out, 0) / (90 - fmin(last_out, 89));
+    return (t > 1 ? 0.1 + (t - 1) : t * (1 - t)) + 0.1 * beyond;
 }
 
 static void grid_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
 {
-    const struct measurement_grid *g = ctx;
-    const double *in = l[2] < v[2] ? v : l, *out = l[2] < v[2] ? l : v;
-    double flat = hypot(in[0], in[1]), theta = atan2(flat, in[2]);
-    double c = flat > 1e-9 ? in[0] / flat : 1, s = flat > 1e-9 ? in[1] / flat : 0, around[3];
-    const double turned[3] = {c * out[0] + s * out[1], c * out[1] - s * out[0], out[2]};
-    mirror_frame(around, turned, theta);
-
-    const struct measurement_slice *slice = g->slices;
-    size_t k = 0;
-    while (k + 2 < g->count && slice[k + 1].theta_in <= theta * degrees)
-        k++;
-    slice_value(rgb, &slice[k], around);
-    if (g->count < 2)
-        return;
-    double t = (theta * degrees - slice[k].theta_in) / (slice[k + 1].theta_in - slice[k].theta_in), next[3];
-    t = fmin(fmax(t, 0), 1);
-    slice_value(next, &slice[k + 1], around);
-    for (int i = 0; i < 3; i++)
-        rgb[i] = (1 - t) * rgb[i] + t * next[i];
+    double swapped[3], a = reading(rgb, ctx, l, v) + 0.02, b = reading(swapped, ctx, v, l) + 0.02;
+    double weight = b * b * b * b / (a * a * a * a + b * b * b * b);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = weight * rgb[c] + (1 - weight) * swapped[c];
 }
 
 static void grid_close(void *ctx)
 {
-    measurement_grid_free(ctx);
-    free(ctx);
+    struct grid_source *g = ctx;
+    measurement_grid_free(&g->grid);
+    free(g->cosine);
+    free(g->sine);
+    free(g);
 }
 
 /* With the light along the normal the azimuth is arbitrary, yet real files depend on it. */
@@ -69,17 +108,48 @@ static void average_over_phi(struct measurement_slice *s)
         }
 }
 
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The lowest hundredth of a channel's values, not the least: one bad sample must not decide. */
+static double find_base(const struct measurement_grid *g, int channel)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < g->count; k++)
+        count += g->slices[k].theta_count * g->slices[k].phi_count;
+    double *all = xmalloc(count * sizeof *all), *p = all;
+    for (size_t k = 0; k < g->count; k++)
+        for (size_t i = 0; i < g->slices[k].theta_count * g->slices[k].phi_count; i++)
+            *p++ = g->slices[k].rgb[3 * i + (size_t)channel];
+    qsort(all, count, sizeof *all, compare_doubles);
+    double base = all[count / 100];
+    free(all);
+    return base;
+}
+
 void source_from_grid(struct brdf_source *out, struct measurement_grid *grid, const char *name)
 {
-    struct measurement_grid *own = xmalloc(sizeof *own);
-    *own = *grid;
-    *grid = (struct measurement_grid){0};
-    average_over_phi(&own->slices[0]);
-    const struct measurement_slice *first = &own->slices[0], *last = &own->slices[own->count - 1];
+    struct grid_source *g = xmalloc(sizeof *g);
+    *g = (struct grid_source){.grid = *grid,
+                              .cosine = xmalloc(grid->count * sizeof *g->cosine),
+                              .sine = xmalloc(grid->count * sizeof *g->sine)};
+    memset(grid, 0, sizeof *grid);
+    average_over_phi(&g->grid.slices[0]);
+    for (size_t k = 0; k < g->grid.count; k++) {
+        g->cosine[k] = cos(g->grid.slices[k].theta_in / degrees);
+        g->sine[k] = sin(g->grid.slices[k].theta_in / degrees);
+    }
+    for (int c = 0; c < 3; c++)
+        g->base[c] = find_base(&g->grid, c);
+    const struct measurement_slice *first = &g->grid.slices[0], *last = &g->grid.slices[g->grid.count - 1];
     *out = (struct brdf_source){.value = grid_value,
-                                .ctx = own,
+                                .ctx = g,
                                 .close = grid_close,
-                                .theta_in = own->count > 1 ? last->theta_in : 90,
-                                .theta_out = first->theta_out[first->theta_count - 1]};
+                                .theta_in = g->grid.count > 1 ? last->theta_in : 90,
+                                .theta_out = first->theta_out[first->theta_count - 1],
+                                .symmetric = true};
     snprintf(out->name, sizeof out->name, "%s", name);
 }

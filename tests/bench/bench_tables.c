@@ -60,7 +60,8 @@ static void symmetric_value(double rgb[3], const void *ctx, const double l[3], c
 /* The truth: what a reciprocal material is of what the file says. */
 static struct brdf_source symmetric(const struct brdf_source *s)
 {
-    return (struct brdf_source){.value = symmetric_value, .ctx = (void *)s, .theta_in = 90, .theta_out = 90};
+    return (struct brdf_source){
+        .value = symmetric_value, .ctx = (void *)s, .theta_in = 90, .theta_out = 90, .symmetric = true};
 }
 
 static void compare(struct metrics *m, const struct brdf_source *table, const struct brdf_source *truth, bool bands)
