@@ -41,6 +41,8 @@ $(B)/board/$(1)/work_a.elf $(B)/board/$(1)/fault.elf: $(B)/board/$(1)/%.elf: $(B
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/shade.elf: $(B)/board/$(1)/tests/board/shade/main.o $(B)/board/$(1)/tests/board/shade/sphere.o $(BOARD_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) -Wl,--wrap=raster_finish_pixels $(2) $$^ -lgcc -o $$@
+$(B)/board/$(1)/push.elf: $(B)/board/$(1)/tests/board/push/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
+	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 endef
@@ -138,7 +140,7 @@ boards-built: boards-build
 	@B=$(B) tests/board/boards.sh
 # The check runs tests/e2e/test_boards.sh, the benchmark tests/board/bench.sh.
 check-built: boards-build $(if $(WORK_MESH),$(WORK_BLOBS))
-bench-built: boards-build $(if $(WORK_MESH),$(WORK_PROGRAMS))
+bench-built: boards-build $(B)/board/cortex-m4/push.elf $(if $(WORK_MESH),$(WORK_PROGRAMS))
 
 $(B)/board/profile.so: tests/board/profile.c
 	@mkdir -p $(@D)
@@ -146,3 +148,5 @@ $(B)/board/profile.so: tests/board/profile.c
 TARGET ?= cortex-m7
 profile: $(B)/board/profile.so $(WORK_BLOBS) $(B)/board/$(TARGET)/work_a.elf ## instructions of a comparison frame by function, two frames, for TARGET and WORK=work_a|work_b
 	@tests/board/run.sh $(TARGET) $(B)/board/$(TARGET)/work_a.elf $(B)/board/$(WORK).blob -plugin $(B)/board/profile.so
+
+include tests/bench/bench.mk

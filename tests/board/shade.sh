@@ -9,7 +9,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 B=${B:-build}
 target=$1 model=$2 table=${3-}
-phong='"kd": [0.52, 0.03, 0.03], "ks": [0.06, 0.06, 0.06], "exponent": 150'
+phong='"kd": [0.10, 0.06, 0.015], "ks": [0.85, 0.64, 0.28], "exponent": 24'
 case $model in
 half_vector | specular_frame) material='"model": "measured", "slot": 0' ;;
 lafortune_phong | blinn_phong) material="\"model\": \"$model\", $phong" ;;

@@ -70,9 +70,9 @@ static struct raster_surface surface_at(int32_t x, int32_t y)
     return (struct raster_surface){(((uint32_t)DEPTH << DEPTH_SHIFT) + DEPTH_BIAS) << 8 | 1, (u & 0xffff) | v << 16};
 }
 
-struct vec3 sphere_normal(const struct sphere *s, uint32_t index)
+struct vec3 sphere_normal(const struct raster_tile *t, uint32_t index)
 {
-    const struct vec3 n = raster_eye_normal(&s->tile.slots[1], &s->tile.surface[index]);
+    const struct vec3 n = raster_eye_normal(&t->slots[1], &t->surface[index]);
     return (struct vec3){fx_clamp(n.x, -32767, 32767), fx_clamp(n.y, -32767, 32767), fx_clamp(n.z, -32767, 32767)};
 }
 
@@ -87,7 +87,7 @@ void sphere_fill(struct sphere *s, uint32_t index)
             struct raster_surface *out = &s->tile.surface[at];
             *out = surface_at(2 * (int32_t)(x0 + x) + 1 - SPHERE_WIDTH, SPHERE_HEIGHT - 1 - 2 * (int32_t)(y0 + y));
             if (out->depth_slot &&
-                fx_dot(sphere_normal(s, at), raster_view_vector(&s->raster, x0 + x, y0 + y)) < LEAST_NV)
+                fx_dot(sphere_normal(&s->tile, at), raster_view_vector(&s->raster, x0 + x, y0 + y)) < LEAST_NV)
                 *out = (struct raster_surface){0, 0};
         }
 }
@@ -99,6 +99,6 @@ void sphere_count(const struct sphere *s, uint32_t *covered, uint32_t *lit)
             continue;
         *covered += 1;
         for (uint32_t l = 0; l < s->raster.frame.light_count; l++)
-            *lit += fx_dot(sphere_normal(s, i), s->raster.lights[l].v) > 0;
+            *lit += fx_dot(sphere_normal(&s->tile, i), s->raster.lights[l].v) > 0;
     }
 }

@@ -45,7 +45,7 @@ void sphere_fill(struct sphere *s, uint32_t index);
 void sphere_count(const struct sphere *s, uint32_t *covered, uint32_t *lit);
 
 /* The normal of the surface at `index`, eye space, Q15, as raster/shade.c gathers it. */
-struct vec3 sphere_normal(const struct sphere *s, uint32_t index);
+struct vec3 sphere_normal(const struct raster_tile *t, uint32_t index);
 
 /* The program's: gets the radiance of `count` finished pixels, leaves the pixels in `out`, which overlaps it. */
 void sphere_radiance(uint32_t *out, uq12_20_t radiance[][3], uint32_t count);
