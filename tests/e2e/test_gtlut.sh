@@ -215,6 +215,14 @@ half_vector_sources() {
 }
 ok "a table of either kind is built anew as a half-vector table; the same input gives the same bytes" half_vector_sources
 
+# 7e4 is more than a texel holds
+half_vector_scales() {
+    "$G" build hot.gtm --kind half_vector --size 1K -o hot.ktx2 2>built_err && grep -q 'albedo .* is above 1, the source.s is' built_err || return 1
+    ! grep clipped built_err && quiet "$G" info hot.ktx2 >out && grep -qxE 'scale: [1-9]' out || { cat built_err out; return 1; }
+    holds "$(sed -nE 's/^albedo at theta_in 40: ([0-9.]+) .*/\1/p' out) / 3.14159265 / 70000 > 0.99"
+}
+ok "values beyond RGB9_E5 are scaled, not clipped, in a half-vector table" half_vector_scales
+
 fits() {
     local f=$DATA/brdf/merl_sgd.csv
     built "$f:red-phenolic" --size 16K -o fit.ktx2 && quiet "$G" info fit.ktx2 | grep -q '^kind: table, half vector' || return 1
@@ -294,7 +302,9 @@ half_vector_refusals() {
     done
     refused 2 'json: stdout is taken' build white.gtm --json -o - || return 1
     refused 4 'not a measurement, a specular_frame table needs one' build hv.ktx2 --kind specular_frame -o out.ktx2 || return 1
-    refused 3 'none/out.ktx2: No such file' build white.gtm --kind half_vector --size 1K -o none/out.ktx2
+    refused 4 'white.csv:1: not a table of shifted-gamma fits' build white.csv:gold -o out.ktx2 || return 1
+    refused 3 'missing.csv:gold: No such file' build missing.csv:gold -o out.ktx2 || return 1
+    refused 3 'none/out.ktx2: No such file' build hv.ktx2 --size 1K -o none/out.ktx2
 }
 ok "options out of range or of the other kind are refused before anything is written" half_vector_refusals
 
