@@ -252,6 +252,9 @@ struct clusters {
 };
 
 #define LEAST_COSINE 1e-3 /* of a normal's angle to its frame's z, which is rounded afterwards */
+/* Of an interpolated normal's direction, radians. On the six models 58.3 dB instead of 55.1 against interpolated vectors, for 56 %
+ * more visible meshlets; 0.004 is worth 1.5 dB more and takes 50 % more again. */
+#define MAX_NORMAL_ERROR 0.008
 
 /* Cosine of the widest angle between a cluster's normals and the axis it would get; -2 when it has too many vertices. */
 static double cluster_cosine(const struct mesh *m, const struct cluster *c)
@@ -263,16 +266,80 @@ static double cluster_cosine(const struct mesh *m, const struct cluster *c)
     return count > MAX_VERTICES ? -2 : choose_axis(z, m, vertices, count);
 }
 
-/* Adds a cluster, in halves if its normals do not fit one frame. */
+/* How far normals interpolated in stereographic coordinates stray: between two normals an angle d apart whose middle is an angle
+ * a from the frame's z it is, at most, d^2/8 tan(a/2), for the coordinate tan(a/2) is not linear in a. */
+static double cluster_error(const struct mesh *m, const struct cluster *c)
+{
+    unsigned vertices[3 * MAX_TRIANGLES];
+    uint8_t corners[MAX_TRIANGLES][3];
+    unsigned count = cluster_vertices(vertices, corners, c);
+    double z[3], most = 0;
+    choose_axis(z, m, vertices, count);
+    for (unsigned i = 0; i < 3 * c->count; i++) {
+        double a[3], b[3], middle[3];
+        vertex_normal(a, m, c->triangles[i / 3][i % 3]);
+        vertex_normal(b, m, c->triangles[i / 3][(i + 1) % 3]);
+        for (int k = 0; k < 3; k++)
+            middle[k] = a[k] + b[k];
+        if (!normalise(middle))
+            continue;
+        double chord = 2 - 2 * dot(a, b), cosine = fmax(-0.9, dot(middle, z));
+        most = fmax(most, chord / 8 * sqrt((1 - fmin(1, cosine)) / (1 + cosine)));
+    }
+    return most;
+}
+
+static void triangle_mean(double out[3], const struct mesh *m, const unsigned t[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = (double)m->vertices[t[0]].normal[k] + m->vertices[t[1]].normal[k] + m->vertices[t[2]].normal[k];
+    normalise(out);
+}
+
+/* The triangle whose mean normal is farthest from n. */
+static unsigned farthest_triangle(const struct mesh *m, const struct cluster *c, const double n[3])
+{
+    unsigned best = 0;
+    double least = 2, t[3];
+    for (unsigned i = 0; i < c->count; i++) {
+        triangle_mean(t, m, c->triangles[i]);
+        if (dot(t, n) < least) {
+            least = dot(t, n);
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Splits a cluster of at least two triangles by their normals; in halves where these are all alike. */
+static void split_cluster(struct cluster part[2], const struct mesh *m, const struct cluster *c)
+{
+    double p[3], q[3], t[3];
+    triangle_mean(t, m, c->triangles[0]);
+    triangle_mean(p, m, c->triangles[farthest_triangle(m, c, t)]);
+    triangle_mean(q, m, c->triangles[farthest_triangle(m, c, p)]);
+    part[0].count = part[1].count = 0;
+    for (unsigned i = 0; i < c->count; i++) {
+        triangle_mean(t, m, c->triangles[i]);
+        struct cluster *to = &part[dot(t, p) < dot(t, q)];
+        memcpy(to->triangles[to->count++], c->triangles[i], sizeof c->triangles[i]);
+    }
+    if (!part[0].count || !part[1].count) {
+        part[0] = part[1] = *c;
+        part[0].count = c->count / 2;
+        part[1].count = c->count - part[0].count;
+        memmove(part[1].triangles, part[1].triangles + part[0].count, part[1].count * sizeof *part[1].triangles);
+    }
+}
+
+/* Adds a cluster, in parts if its normals do not fit one frame, or not well. */
 static void add_cluster(struct clusters *out, const struct mesh *m, const struct cluster *c)
 {
-    if (cluster_cosine(m, c) <= LEAST_COSINE && c->count > 1) {
-        struct cluster part = {.count = c->count / 2};
-        memcpy(part.triangles, c->triangles, part.count * sizeof *part.triangles);
-        add_cluster(out, m, &part);
-        memcpy(part.triangles, c->triangles + part.count, (c->count - part.count) * sizeof *part.triangles);
-        part.count = c->count - part.count;
-        add_cluster(out, m, &part);
+    if (c->count > 1 && (cluster_cosine(m, c) <= LEAST_COSINE || cluster_error(m, c) > MAX_NORMAL_ERROR)) {
+        struct cluster part[2];
+        split_cluster(part, m, c);
+        add_cluster(out, m, &part[0]);
+        add_cluster(out, m, &part[1]);
         return;
     }
     if (!(out->count & (out->count - 1)))
@@ -297,7 +364,7 @@ static void join_crumbs(struct clusters *all, const struct mesh *m)
                        all->items[j].count * sizeof *both.triangles);
                 both.count += all->items[j].count;
                 double cosine = cluster_cosine(m, &both);
-                if (cosine > best) {
+                if (cosine > best && cluster_error(m, &both) <= MAX_NORMAL_ERROR) {
                     best = cosine;
                     best_j = j;
                 }
