@@ -33,11 +33,11 @@ pkglibs    = $(shell pkg-config --libs $(1))
 GLIB_PKGS := umockdev-1.0 glib-2.0 gobject-2.0
 CFLAGS_gtusb  = $(call pkgflags,libusb-1.0)
 CFLAGS_gtsim  = $(call pkgflags,$(GLIB_PKGS))
-LIBS_gtlut    = -lm -ldl
+LIBS_gtlut    = -lgsl -lgslcblas -lm -ldl
 LIBS_gtscene  = $(call pkglibs,assimp) -lmeshoptimizer -lcjson -lm
 LIBS_gtusb    = $(call pkglibs,libusb-1.0) -lz -lm -ldl
 LIBS_gtsim    = $(call pkglibs,$(GLIB_PKGS)) -lz -lm -ldl
-LIBS_test     = -lcmocka -lcjson -lz -lm -ldl
+LIBS_test     = -lcmocka -lcjson -lgsl -lgslcblas -lz -lm -ldl
 
 # Runs make again, in parallel unless -j was given, so that what was just installed is seen.
 AGAIN = @$(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JOBS))
@@ -54,7 +54,7 @@ help: ## list the targets
 
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
-              zlib1g-dev libumockdev-dev umockdev libglib2.0-dev
+              zlib1g-dev libgsl-dev libumockdev-dev umockdev libglib2.0-dev
 CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
 DEPS_CHECK := $(DEPS_DEMO) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox
 DEPS_BENCH := $(DEPS_DEMO) $(CROSS) valgrind

@@ -20,6 +20,7 @@ static const char help[] =
     "  build SOURCE -o out.ktx2      measurement file, CSV, .bsdf, fit or table to a table\n"
     "  info FILE                     describe a measurement or a table\n"
     "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
+    "  fit FILE --model NAME         the analytic material that comes nearest to a measurement\n"
     "\n"
     "  gtlut SUBCOMMAND --help       options of one subcommand\n"
     "  gtlut --version\n"
@@ -66,7 +67,8 @@ int main(int argc, char **argv)
                        {"info", gtlut_info},
                        {"export", gtlut_export},
                        {"formats", gtlut_formats},
-                       {"check", gtlut_check}};
+                       {"check", gtlut_check},
+                       {"fit", gtlut_fit}};
     common_set_name("gtlut", NULL);
     if (argc < 2)
         die(EXIT_USAGE, "no subcommand; see gtlut --help");

@@ -55,14 +55,19 @@ bool gtlut_import_option(struct import_options *o, int c)
     return true;
 }
 
-static void resample(struct measurement *m, const struct measurement_geometry *g, const char *path)
+bool gtlut_import_grid(struct measurement *m, const struct import_options *o, const char *path)
 {
+    char *problem = measurement_grid_problem(m);
+    free(problem);
+    if (!problem)
+        return false;
     struct measurement grid;
     warn("%s: %zu samples at %zu angles of incidence resampled to the directions of %s", path, m->count,
-         measurement_slice_count(m), g->name);
-    measurement_resample(&grid, m, g);
+         measurement_slice_count(m), o->geometry->name);
+    measurement_resample(&grid, m, o->geometry);
     measurement_free(m);
     *m = grid;
+    return true;
 }
 
 int gtlut_import(int argc, char **argv)
@@ -101,16 +106,13 @@ int gtlut_import(int argc, char **argv)
     free(data);
     if (fill)
         check_fill_blind_spot(&m, input);
-    if (!format->evaluated) {
+    if (!geometry_given && !strcmp(format->name, "csv")) { /* one's own export: rather say where its grid breaks */
         char *problem = measurement_grid_problem(&m);
-        if (!problem && geometry_given)
-            die(EXIT_USAGE, "--geometry: %s keeps its own directions, which form a grid; leave the option out",
-                format->name);
-        if (problem && !geometry_given && !strcmp(format->name, "csv"))
-            die(EXIT_BAD_INPUT, "%s: %s, or give --geometry to resample", input, problem);
         if (problem)
-            resample(&m, o.geometry, input);
-        free(problem);
+            die(EXIT_BAD_INPUT, "%s: %s, or give --geometry to resample", input, problem);
+    } else if (!gtlut_import_grid(&m, &o, input) && geometry_given && !format->evaluated) {
+        die(EXIT_USAGE, "--geometry: %s keeps its own directions, which form a grid; leave the option out",
+            format->name);
     }
     measurement_write(&m, output);
     measurement_free(&m);

@@ -18,4 +18,7 @@
 /* Takes the option `c` with optarg; false when it is none of these. Dies with EXIT_USAGE. */
 bool gtlut_import_option(struct import_options *o, int c);
 
+/* Resamples the measurement to options->geometry, and says so, when it does not form a grid; true when it did that. */
+bool gtlut_import_grid(struct measurement *m, const struct import_options *o, const char *path);
+
 #endif
