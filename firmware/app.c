@@ -186,8 +186,10 @@ void app_poll(struct app *app)
     if (cleared & USB_CLEARED_IN)
         stream_drop(app);
     protocol_receive(&app->protocol);
-    if (app->protocol.state == PROTOCOL_REQUEST && !app->protocol.sending)
+    if (app->protocol.state == PROTOCOL_REQUEST && !app->protocol.sending) {
         messages_serve(app);
+        protocol_receive(&app->protocol); /* the controller has all of its buffer for what comes during the tile */
+    }
     frame_step(app);
     protocol_send(&app->protocol);
 }

@@ -95,6 +95,13 @@ B=$B tests/board/bench.sh "$csv"
 B=$B tests/bench/mca.sh >>"$csv"
 B=$B tests/bench/raster_rows.sh >>"$csv"
 
+# --- USB: faults, the bus, what a push costs the device ---
+"$B/bench/bench_usb" faults >>"$csv"
+"$B/bench/bench_usb" bus "$scene" "${tables[@]}" >>"$csv"
+"$B/bench/bench_usb" requests "$work/requests"
+line=$(tests/board/run.sh cortex-m4 "$B/board/cortex-m4/push.elf" "$work/requests") || { echo "bench: push.elf: $line" >&2; exit 1; }
+row usb cortex-m4 all total instructions_per_byte "$(awk '{ printf "%.2f", $7 / $3 }' <<<"$line")" instructions
+
 mkdir -p "$B/bench"
 mv "$csv" "$B/bench/results.csv"
 awk -F, '{ printf "%-6s %-10s %-20s %-29s %-23s %12s %s\n", $1, $2, $3, $4, $5, $6, $7 }' "$B/bench/results.csv"
