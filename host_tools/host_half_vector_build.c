@@ -7,7 +7,13 @@
 #include "common.h"
 #include "host_half_vector_fit.h"
 
-enum { SEGMENTS_H = HALF_VECTOR_WARP_H - 1, SEGMENTS_D = HALF_VECTOR_WARP_D - 1, COLUMNS = 8, ROUNDS = 3 };
+enum {
+    SEGMENTS_H = HALF_VECTOR_WARP_H - 1,
+    SEGMENTS_D = HALF_VECTOR_WARP_D - 1,
+    SURVEY_COLUMNS = 4,
+    COLUMNS = 8,
+    ROUNDS = 3
+};
 
 static double seconds_now(void)
 {
@@ -30,7 +36,7 @@ static void survey_take(struct fit_samples *out, const struct brdf_source *sourc
         for (int i = 1; i <= parts; i++)
             planes[++plane_count] = (k + (double)i / parts) / SEGMENTS_D;
     }
-    fit_samples_take(out, source, rows, 2 * SEGMENTS_H, planes, plane_count, COLUMNS);
+    fit_samples_take(out, source, rows, 2 * SEGMENTS_H, planes, plane_count, SURVEY_COLUMNS);
 }
 
 /* Colour difference per squared distance to the nodes: the second derivative of g by the position p on an axis, weighted. */
@@ -147,7 +153,7 @@ static void densities_find(double *density_h, double *density_d, const struct fi
     double least = INFINITY;
     for (int round = 0; round < TRIALS; round++) {
         warp_make(small.warp_h, trial, SEGMENTS_H, small.h);
-        double error = half_vector_fit(&small, row_error, survey, 2);
+        double error = half_vector_fit(&small, row_error, survey, 1);
         if (error < least) {
             least = error;
             memcpy(density_h, trial, sizeof trial);

@@ -20,12 +20,13 @@ struct equations {
     float *value;  /* [node][3], the table in full precision */
 };
 
-/* Where every sample falls, found once. */
+/* Where every sample falls, found once, and how far the table was from it in the last round. */
 struct placed {
     const struct fit_sample *sample;
     size_t count;
     struct half_vector_cell *cell;
     uint32_t *row;
+    float *error; /* of g, root mean square over the channels */
 };
 
 static size_t tap(const struct half_vector *t, size_t corner, uint32_t m)
@@ -33,31 +34,31 @@ static size_t tap(const struct half_vector *t, size_t corner, uint32_t m)
     return corner + (m & 1) + t->t * ((m >> 1 & 1) + (size_t)t->h * (m >> 2));
 }
 
-/* Size of the table's error at a sample, root mean square over the channels. */
-static double error_at(const struct equations *e, const struct placed *p, size_t n)
+static float error_at(const struct equations *e, const struct placed *p, size_t n)
 {
-    float sum = 0;
-    for (int c = 0; c < 3; c++) {
-        float d = -p->sample[n].g[c];
-        for (uint32_t m = 0; m < 8; m++)
-            d += p->cell[n].weight[m] * e->value[3 * tap(e->t, p->cell[n].corner, m) + (size_t)c];
-        sum += d * d;
+    const float *g = p->sample[n].g;
+    float r = -g[0], green = -g[1], blue = -g[2];
+    for (uint32_t m = 0; m < 8; m++) {
+        const float w = p->cell[n].weight[m], *value = e->value + 3 * tap(e->t, p->cell[n].corner, m);
+        r += w * value[0];
+        green += w * value[1];
+        blue += w * value[2];
     }
-    return sqrt((double)sum / 3);
+    return sqrtf((r * r + green * green + blue * blue) / 3);
 }
 
 /* Mean colour difference over the pixels, and each row cell's part of it. */
-static double error_sum(double *row_error, const struct equations *e, const struct placed *p)
+static double find_errors(double *row_error, const struct equations *e, struct placed *p)
 {
     double sum = 0, pixels = 0;
     memset(row_error, 0, (e->t->h - 1) * sizeof *row_error);
     for (size_t n = 0; n < p->count; n++) {
         const struct fit_sample *s = &p->sample[n];
-        double error =
-            error_at(e, p, n) * ((double)(s->pixels[0] * s->slope[0]) + (double)(s->pixels[1] * s->slope[1]));
+        p->error[n] = error_at(e, p, n);
+        double error = (double)(p->error[n] * (s->pixels[0] * s->slope[0] + s->pixels[1] * s->slope[1]));
         row_error[p->row[n]] += error;
         sum += error;
-        pixels += (double)s->pixels[0] + (double)s->pixels[1];
+        pixels += (double)(s->pixels[0] + s->pixels[1]);
     }
     for (uint32_t i = 0; i + 1 < e->t->h; i++)
         row_error[i] /= pixels;
@@ -66,32 +67,42 @@ static double error_sum(double *row_error, const struct equations *e, const stru
 
 /* Weight of a sample's squared error. In the first round (mean 0) that of the squared colour difference; later divided by the
  * difference the last round left, which makes the sum that of the differences themselves. */
-static double sample_weight(const struct equations *e, const struct placed *p, size_t n, double mean)
+static float sample_weight(const struct fit_sample *s, float error, float mean)
 {
-    const struct fit_sample *s = &p->sample[n];
-    double weight = 0, error = mean > 0 ? error_at(e, p, n) : 0;
+    float weight = 0;
     for (int k = 0; k < 2; k++) {
-        double slope = (double)s->slope[k], w = (double)s->pixels[k] * slope * slope;
-        weight += mean > 0 ? w * mean / hypot(slope * error, 0.3 * mean) : w;
+        float slope = s->slope[k], w = s->pixels[k] * slope * slope, left = slope * error, least = 0.3f * mean;
+        weight += mean > 0 ? w * mean / sqrtf(left * left + least * least) : w;
     }
     return weight;
 }
 
+/* Position of tap q among the neighbours of tap m. */
+static int neighbour_of(uint32_t q, uint32_t m)
+{
+    return SELF + 9 * ((int)(q >> 2) - (int)(m >> 2)) + 3 * ((int)(q >> 1 & 1) - (int)(m >> 1 & 1)) +
+           ((int)(q & 1) - (int)(m & 1));
+}
+
 static void accumulate(struct equations *e, const struct placed *p, double mean)
 {
+    int neighbour[8][8];
+    for (uint32_t m = 0; m < 8; m++)
+        for (uint32_t q = 0; q < 8; q++)
+            neighbour[m][q] = neighbour_of(q, m);
     memset(e->matrix, 0, e->nodes * NEIGHBOURS * sizeof *e->matrix);
     memset(e->right, 0, e->nodes * 3 * sizeof *e->right);
     for (size_t n = 0; n < p->count; n++) {
         const struct half_vector_cell *cell = &p->cell[n];
-        float weight = (float)sample_weight(e, p, n, mean);
+        const float *g = p->sample[n].g, weight = sample_weight(&p->sample[n], p->error[n], (float)mean);
         for (uint32_t m = 0; m < 8; m++) {
             size_t node = tap(e->t, cell->corner, m);
-            float w = weight * cell->weight[m], *row = e->matrix + NEIGHBOURS * node + SELF;
-            for (int c = 0; c < 3; c++)
-                e->right[3 * node + (size_t)c] += w * p->sample[n].g[c];
-            for (uint32_t q = 0; q < 8; q++)
-                row[9 * ((int)(q >> 2) - (int)(m >> 2)) + 3 * ((int)(q >> 1 & 1) - (int)(m >> 1 & 1)) +
-                    ((int)(q & 1) - (int)(m & 1))] += w * cell->weight[q];
+            float w = weight * cell->weight[m], *row = e->matrix + NEIGHBOURS * node, *right = e->right + 3 * node;
+            for (int q = 0; q < 8; q++)
+                row[neighbour[m][q]] += w * cell->weight[q];
+            right[0] += w * g[0];
+            right[1] += w * g[1];
+            right[2] += w * g[2];
         }
     }
 }
@@ -217,9 +228,10 @@ double half_vector_fit(struct half_vector *t, double *row_error, const struct fi
     size_t nodes = (size_t)t->t * t->h * t->d;
     struct equations e = {t, nodes, xmalloc(nodes * NEIGHBOURS * sizeof(float)), xmalloc(nodes * 3 * sizeof(float)),
                           xcalloc(nodes, 3 * sizeof(float))};
-    struct placed p = {s->sample, fit_samples_count(s), NULL, NULL};
+    struct placed p = {.sample = s->sample, .count = fit_samples_count(s)};
     p.cell = xmalloc(p.count * sizeof *p.cell);
     p.row = xmalloc(p.count * sizeof *p.row);
+    p.error = xcalloc(p.count, sizeof *p.error);
     if (!t->texels)
         t->texels = xmalloc(nodes * sizeof *t->texels);
     for (size_t n = 0; n < p.count; n++) {
@@ -231,16 +243,18 @@ double half_vector_fit(struct half_vector *t, double *row_error, const struct fi
 
     double mean = 0;
     for (int round = 0; round < rounds; round++) {
+        if (round)
+            mean = find_errors(row_error, &e, &p);
         accumulate(&e, &p, mean);
         if (!round)
             guess(&e);
         regularise(&e);
         solve(&e, round ? 8 : 20, false);
-        mean = error_sum(row_error, &e, &p);
     }
     set_scale(&e);
     solve(&e, 4, true);
-    mean = error_sum(row_error, &e, &p);
+    mean = find_errors(row_error, &e, &p);
+    free(p.error);
     free(p.row);
     free(p.cell);
     free(e.value);
