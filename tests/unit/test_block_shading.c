@@ -480,10 +480,15 @@ static void radiance_saturates(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lafortune_phong_agrees),    cmocka_unit_test(blinn_phong_agrees),
-        cmocka_unit_test(metallic_roughness_agrees), cmocka_unit_test(half_vector_rough_agrees),
-        cmocka_unit_test(half_vector_glossy_agrees), cmocka_unit_test(specular_frame_agrees),
-        cmocka_unit_test(slabs_change_no_bit),       cmocka_unit_test(radiance_saturates),
+        cmocka_unit_test(lafortune_phong_agrees),
+        cmocka_unit_test(blinn_phong_agrees),
+        cmocka_unit_test(exponents_of_one_agree_but_at_the_kink),
+        cmocka_unit_test(metallic_roughness_agrees),
+        cmocka_unit_test(half_vector_rough_agrees),
+        cmocka_unit_test(half_vector_glossy_agrees),
+        cmocka_unit_test(specular_frame_agrees),
+        cmocka_unit_test(slabs_change_no_bit),
+        cmocka_unit_test(radiance_saturates),
     };
     return cmocka_run_group_tests(tests, make_scene, free_scene);
 }
