@@ -42,8 +42,8 @@ static double lightness_slope(double x)
     return x > 0.008856 ? 1 / (3 * cbrt(x * x)) : 7.787;
 }
 
-/* Change of the CIE 1976 colour of a pixel per relative change of its value, linear sRGB, D65. What a picture clips (above 1)
- * counts as white does: exposures may be darker. */
+/* Change of the CIE 1976 colour of a pixel per relative change of its value, linear sRGB, D65. Not clipped at white: exposures
+ * may be darker, and weights that fall any faster with the value would cost sharp lobes energy. */
 static double colour_slope(const double pixel[3])
 {
     static const double xyz[3][3] = {{0.4339, 0.3762, 0.1899}, {0.2126, 0.7152, 0.0722}, {0.0177, 0.1095, 0.8729}};
@@ -51,7 +51,7 @@ static double colour_slope(const double pixel[3])
     for (int i = 0; i < 3; i++) {
         double x = 0;
         for (int c = 0; c < 3; c++)
-            x += xyz[i][c] * fmin(pixel[c], 1);
+            x += xyz[i][c] * pixel[c];
         f[i] = lightness_slope(x) * x;
     }
     double l = 116 * f[1], a = 500 * (f[0] - f[1]), b = 200 * (f[1] - f[2]);
