@@ -23,14 +23,14 @@ struct bytes {
 static char child_message[4096];
 
 /* Skips the leak check at the child's end: what it holds when it dies is no leak. */
-static void leave(int status, void *unused)
+static inline void leave(int status, void *unused)
 {
     (void)unused;
     _exit(status);
 }
 
 /* Runs `read` on the bytes in a child process; returns its exit code and keeps what it said on stderr in child_message. */
-static int exit_code_of(void (*read)(const struct bytes *), const struct bytes *b)
+static inline int exit_code_of(void (*read)(const struct bytes *), const struct bytes *b)
 {
     static FILE *said;
     if (!said)
