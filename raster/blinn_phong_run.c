@@ -94,17 +94,6 @@ static inline uq12_20_t reflected(uint32_t kd, uint32_t d, uint32_t ks, uint32_t
     return sum < WHITE ? sum : WHITE;
 }
 
-/* What raster_eye_normal returns, rounded down. */
-static inline struct vec3 eye_normal(const struct run *run, const struct raster_surface *s)
-{
-    struct raster_normal n = raster_decode_normal(s, run->normal_shift);
-    int32_t x = n.u * n.m, y = n.v * n.m, z = n.d * n.m - (1 << 28); /* Q28: <= 2^28.1 */
-    const int32_t *f = run->frame;
-    return (struct vec3){(int32_t)(((int64_t)f[0] * x + (int64_t)f[1] * y + (int64_t)f[2] * z) >> 32),
-                         (int32_t)(((int64_t)f[3] * x + (int64_t)f[4] * y + (int64_t)f[5] * z) >> 32),
-                         (int32_t)(((int64_t)f[6] * x + (int64_t)f[7] * y + (int64_t)f[8] * z) >> 32)};
-}
-
 /* `coloured`: whether a light is not white. Compiled once for each. */
 __attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, const struct run *run,
                                                                const bool coloured)
@@ -115,7 +104,7 @@ __attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, c
     const uint32_t negligible = (run->squarings < MAX_SQUARINGS ? 16u >> run->squarings : 1) + 4;
     int32_t fine_x = run->fine_x;
     for (const struct raster_surface *s = run->s; s != run->end; s++, out += 3, fine_x += run->step) {
-        struct vec3 n = eye_normal(run, s);
+        struct vec3 n = raster_eye_normal(run->frame, run->normal_shift, s);
         int32_t rx = fine_x >> VIEW_STEP_BITS;
         int32_t p = (int32_t)ray_length((uint32_t)(rx * rx) + yz, start, slope);
         uint32_t p2 = ((uint32_t)p << 1) + ((uint32_t)p >> (SHRINK_BITS - 1)); /* 2 p / SHRINK */
@@ -166,8 +155,7 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     struct run run;
     if (b->diffuse_material != slot->material + 1u)
         colour_setup(b, r, slot->material);
-    for (int i = 0; i < 9; i++)
-        run.frame[i] = slot->frame[i] * 32;
+    raster_slot_frame(run.frame, slot);
     run.normal_shift = slot->normal_shift;
     run.s = s;
     run.end = s + count;

@@ -90,16 +90,22 @@ static inline struct raster_normal raster_decode_normal(const struct raster_surf
     return n;
 }
 
-/* A surface's normal in eye space, Q15: of unit length by construction, whatever its coordinates were interpolated to. */
-static inline struct vec3 raster_eye_normal(const struct raster_slot *slot, const struct raster_surface *s)
+/* A meshlet's axes in eye space, Q19. */
+static inline void raster_slot_frame(int32_t frame[9], const struct raster_slot *slot)
 {
-    struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
-    int32_t x = (n.u * n.m + (1 << 12)) >> 13, y = (n.v * n.m + (1 << 12)) >> 13;
-    int32_t z = ((n.d * n.m + (1 << 12)) >> 13) - 32768;
-    const int16_t *f = slot->frame; /* Q14: sums <= sqrt(3) * 2^29 */
-    return (struct vec3){(f[0] * x + f[1] * y + f[2] * z + (1 << 13)) >> 14,
-                         (f[3] * x + f[4] * y + f[5] * z + (1 << 13)) >> 14,
-                         (f[6] * x + f[7] * y + f[8] * z + (1 << 13)) >> 14};
+    for (int i = 0; i < 9; i++)
+        frame[i] = slot->frame[i] * 32;
+}
+
+/* A surface's normal in eye space, Q15, rounded down: of unit length by construction, whatever its coordinates were interpolated
+ * to. In: its meshlet's axes, and normal_shift. */
+static inline struct vec3 raster_eye_normal(const int32_t f[9], unsigned shift, const struct raster_surface *s)
+{
+    struct raster_normal n = raster_decode_normal(s, shift);
+    int32_t x = n.u * n.m, y = n.v * n.m, z = n.d * n.m - (1 << 28); /* Q28: <= 2^28.1 */
+    return (struct vec3){(int32_t)(((int64_t)f[0] * x + (int64_t)f[1] * y + (int64_t)f[2] * z) >> 32),
+                         (int32_t)(((int64_t)f[3] * x + (int64_t)f[4] * y + (int64_t)f[5] * z) >> 32),
+                         (int32_t)(((int64_t)f[6] * x + (int64_t)f[7] * y + (int64_t)f[8] * z) >> 32)};
 }
 
 /* transform.c */

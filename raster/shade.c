@@ -61,23 +61,22 @@ static raster_model *find_model(const struct raster *r, const struct scene_mater
     }
 }
 
-/* A finished pixel or sample in its surface's place, and in those of its pixel's other samples that show the same slot. */
-static void put_colour(const struct output *o, uint32_t index, uint32_t value)
+/* A finished pixel or sample in its surface's place. */
+static inline void put_colour(struct raster_surface *s, uint32_t value)
 {
-    struct raster_surface *s = &o->t->surface[index];
-    const uint32_t slot = slot_of(s);
-    if (o->whole_pixels && o->r->sample_shift) {
-        struct raster_surface *corner = &o->t->surface[index & ~(uint32_t)(RASTER_TILE_WIDTH + 1)];
-        for (int i = 0; i < 4; i++) {
-            struct raster_surface *other = corner + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
-            if (slot_of(other) == slot) {
-                other->normal = value;
-                other->depth_slot &= ~(uint32_t)255;
-            }
-        }
-    } else {
-        s->normal = value;
-        s->depth_slot &= ~(uint32_t)255;
+    s->normal = value;
+    s->depth_slot &= ~(uint32_t)255;
+}
+
+/* The same for all of its pixel's samples that show the same slot. */
+static void put_pixel(const struct output *o, uint32_t index, uint32_t value)
+{
+    struct raster_surface *corner = &o->t->surface[index & ~(uint32_t)(RASTER_TILE_WIDTH + 1)];
+    const uint32_t slot = slot_of(&o->t->surface[index]);
+    for (int i = 0; i < 4; i++) {
+        struct raster_surface *s = corner + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
+        if (slot_of(s) == slot)
+            put_colour(s, value);
     }
 }
 
@@ -95,6 +94,7 @@ static void flush(const struct output *o, struct raster_block *k, struct raster_
     const struct scene_material *m = &r->frame.materials[b->material];
     raster_model *model = find_model(r, m);
     uint32_t lit = 0;
+    __builtin_memset(b->radiance, 0, b->count * sizeof b->radiance[0]);
     for (unsigned l = 0, added = 0; l < r->frame.light_count; l++) {
         if (r->lights[l].radius && !(o->t->light_reaches[l / 32] >> l % 32 & 1))
             continue;
@@ -109,8 +109,12 @@ static void flush(const struct output *o, struct raster_block *k, struct raster_
     raster_finish_ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
     raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
-    for (uint32_t i = 0; i < b->count; i++)
-        put_colour(o, b->surface[i], value[i]);
+    if (o->whole_pixels && r->sample_shift)
+        for (uint32_t i = 0; i < b->count; i++)
+            put_pixel(o, b->surface[i], value[i]);
+    else
+        for (uint32_t i = 0; i < b->count; i++)
+            put_colour(&o->t->surface[b->surface[i]], value[i]);
     b->count = 0;
 }
 
@@ -128,34 +132,95 @@ static struct vec3 face_viewer(struct vec3 n, struct vec3 v, int32_t nv)
     return (struct vec3){n.x * k >> 15, n.y * k >> 15, n.z * k >> 15};
 }
 
-/* The view at a pixel of the block: rounded to Q15. */
-static inline int32_t view_at(const struct raster_plane *p, uint32_t x, uint32_t y)
+/* Models whose lobes need the surface to face the viewer. */
+static bool needs_facing(const struct scene_material *m)
 {
-    return (int32_t)(p->base + x * p->dx + y * p->dy + (1u << (VIEW_PLANE_BITS - 1))) >> VIEW_PLANE_BITS;
+    return m->kind == SCENE_MATERIAL_MEASURED || m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS;
 }
 
-/* Adds a pixel of the block to its batch; `index`: of the sample that has its normal. */
-static void gather_pixel(const struct output *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
-                         struct raster_stats *stats)
+/* Adds `count` surfaces of one slot, side by side from pixel (x, y) of the block on, to its batch. `index`: of the first. */
+static void gather_run(const struct output *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
+                       uint32_t count, struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
     const struct raster_surface *s = &o->t->surface[index];
     const struct raster_slot *slot = &o->t->slots[slot_of(s)];
-    if (b->count == RASTER_BATCH)
-        flush(o, k, stats);
-    const uint32_t i = b->count++;
-    struct vec3 n = raster_eye_normal(slot, s);
-    struct vec3 v = {view_at(&k->plane[0], x, y), view_at(&k->plane[1], x, y), view_at(&k->plane[2], x, y)};
-    int32_t nv = fx_dot(n, v);
-    if (nv < 1 << 23 && o->r->frame.materials[b->material].kind != SCENE_MATERIAL_BLINN_PHONG &&
-        o->r->frame.materials[b->material].kind != SCENE_MATERIAL_LAFORTUNE_PHONG) {
-        n = face_viewer(n, v, nv);
-        nv = fx_max(fx_dot(n, v), 1 << 22);
+    const bool facing = needs_facing(&o->r->frame.materials[b->material]);
+    int32_t frame[9], view[3]; /* the latter Q15 with VIEW_PLANE_BITS more, at x */
+    raster_slot_frame(frame, slot);
+    for (int i = 0; i < 3; i++)
+        view[i] = (int32_t)(k->plane[i].base + x * k->plane[i].dx + y * k->plane[i].dy) + (1 << (VIEW_PLANE_BITS - 1));
+    for (const struct raster_surface *end = s + count; s != end; s++, x++, index++) {
+        if (b->count == RASTER_BATCH)
+            flush(o, k, stats);
+        struct vec3 n = raster_eye_normal(frame, slot->normal_shift, s);
+        const struct vec3 v = {view[0] >> VIEW_PLANE_BITS, view[1] >> VIEW_PLANE_BITS, view[2] >> VIEW_PLANE_BITS};
+        int32_t nv = fx_dot(n, v);
+        if (nv < 1 << 23 && facing) {
+            n = face_viewer(n, v, nv);
+            nv = fx_max(fx_dot(n, v), 1 << 22);
+        }
+        struct raster_batch_pixel *p = &b->pixel[b->count];
+        p->normal_xy = lanes(fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767));
+        p->normal_z = fx_clamp(n.z, -32768, 32767);
+        p->nv = nv;
+        p->at = x | y << 8;
+        b->surface[b->count++] = (uint16_t)index;
+        view[0] += (int32_t)k->plane[0].dx;
+        view[1] += (int32_t)k->plane[1].dx;
+        view[2] += (int32_t)k->plane[2].dx;
     }
-    b->pixel[i] = (struct raster_batch_pixel){lanes(fx_clamp(n.x, -32767, 32767), fx_clamp(n.y, -32767, 32767)),
-                                              fx_clamp(n.z, -32767, 32767), nv, x | y << 8};
-    b->surface[i] = (uint16_t)index;
-    b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
+}
+
+/* Whether an earlier sample of the pixel than s, its i-th, shows the same slot. */
+static bool seen_before(const struct raster_surface *s, uint32_t i)
+{
+    const struct raster_surface *first = s - (i & 1) - (i >> 1) * RASTER_TILE_WIDTH;
+    for (uint32_t j = 0; j < i; j++)
+        if (slot_of(first + (j & 1) + (j >> 1) * RASTER_TILE_WIDTH) == slot_of(s))
+            return true;
+    return false;
+}
+
+/* Whether a surface is for the batch now: of its material, which the first one chooses. Sets *left for one of another. */
+static inline bool is_wanted(const struct output *o, const struct raster_surface *s, bool *left)
+{
+    const uint32_t slot = slot_of(s);
+    if (!slot || o->r->in_rows[o->t->slots[slot].material])
+        return false;
+    struct raster_batch *b = &o->t->batch;
+    const uint32_t material = o->t->slots[slot].material;
+    if (b->material == UINT32_MAX)
+        b->material = material;
+    *left |= material != b->material;
+    return material == b->material;
+}
+
+static void gather_row(const struct output *o, struct raster_block *k, uint32_t y, uint32_t width, bool *left,
+                       struct raster_stats *stats)
+{
+    const uint32_t index = (k->y + y) * RASTER_TILE_WIDTH + k->x;
+    const struct raster_surface *row = &o->t->surface[index];
+    for (uint32_t x = 0; x < width;) {
+        uint32_t end = x + 1, slot = slot_of(&row[x]);
+        while (end < width && slot_of(&row[end]) == slot)
+            end++;
+        if (is_wanted(o, &row[x], left))
+            gather_run(o, k, x, y, index + x, end - x, stats);
+        x = end;
+    }
+}
+
+static void gather_samples(const struct output *o, struct raster_block *k, uint32_t y, uint32_t width, bool *left,
+                           struct raster_stats *stats)
+{
+    for (uint32_t x = 0; x < width; x++)
+        for (uint32_t i = 0; i < 4; i++) {
+            const uint32_t index = (2 * (k->y + y) + (i >> 1)) * RASTER_TILE_WIDTH + 2 * (k->x + x) + (i & 1);
+            const struct raster_surface *s = &o->t->surface[index];
+            if (is_wanted(o, s, left) && !(o->whole_pixels && seen_before(s, i)))
+                gather_run(o, k, x, y, index, 1, stats);
+        }
 }
 
 /* Gathers the block's surfaces of the first material met. Returns whether others are left. */
@@ -163,35 +228,15 @@ static bool gather_material(const struct output *o, struct raster_block *k, uint
                             struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
-    const unsigned shift = o->r->sample_shift;
     bool left = false;
     b->count = 0;
     b->material = UINT32_MAX;
     k->ready = 0;
     for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++)
-            for (uint32_t i = 0; i < 1u << 2 * shift; i++) {
-                uint32_t index =
-                    (((k->y + y) << shift) + (i >> 1)) * RASTER_TILE_WIDTH + ((k->x + x) << shift) + (i & 1);
-                const struct raster_surface *s = &o->t->surface[index];
-                if (!slot_of(s))
-                    continue;
-                uint32_t material = o->t->slots[slot_of(s)].material;
-                if (o->r->in_rows[material])
-                    continue;
-                if (b->material == UINT32_MAX)
-                    b->material = material;
-                if (material != b->material) {
-                    left = true;
-                    continue;
-                }
-                const struct raster_surface *first = s - (i & 1) - (i >> 1) * RASTER_TILE_WIDTH;
-                bool again = false; /* an earlier sample of the pixel shows the same */
-                for (uint32_t j = 0; j < i && o->whole_pixels; j++)
-                    again |= slot_of(first + (j & 1) + (j >> 1) * RASTER_TILE_WIDTH) == slot_of(s);
-                if (!again)
-                    gather_pixel(o, k, x, y, index, stats);
-            }
+        if (o->r->sample_shift)
+            gather_samples(o, k, y, width, &left, stats);
+        else
+            gather_row(o, k, y, width, &left, stats);
     if (b->count)
         flush(o, k, stats);
     return left;
@@ -389,7 +434,7 @@ void raster_shade_samples(const struct raster *r, struct raster_tile *t, const s
             if (slot) {
                 const uint32_t *value = shade_run(&o, slot, x, y, count, stats);
                 for (uint32_t i = 0; i < count; i++)
-                    put_colour(&o, index + i, value[i]);
+                    put_colour(&t->surface[index + i], value[i]);
             }
             x += count;
         }
