@@ -10,6 +10,7 @@
 #include "common.h"
 #include "gtlut_build.h"
 #include "gtlut_table.h"
+#include "host_import.h"
 #include "host_rgl.h"
 
 static const char help[] =
@@ -18,7 +19,7 @@ static const char help[] =
     "Builds a table, KTX 2.0 with RGB9_E5 texels, and says on stderr how far it is from its source. SOURCE is told\n"
     "from the content:\n"
     "\n"
-    "  measurement file (gtlut import) or CSV\n"
+    "  measurement file or CSV (gtlut import brings other formats to one)\n"
     "  RGL .bsdf              evaluated as the database defines it, no import needed\n"
     "  table                  built anew: another kind or size\n"
     "  FITS.csv:NAME          one material of a table of shifted-gamma fits (merl_sgd.csv:gold-paint)\n"
@@ -133,14 +134,21 @@ static void input_open(struct build_input *in, const char *path)
     }
     size_t bytes;
     uint8_t *data = read_file(path, MAX_FILE_BYTES, &bytes);
-    in->is_measurement = !table_recognise(data, bytes) && !rgl_recognise(data, bytes);
-    if (in->is_measurement) {
+    if (table_recognise(data, bytes)) {
+        source_from_table(&in->source, path, data, bytes);
+        return;
+    }
+    if (rgl_recognise(data, bytes)) {
+        source_open(&in->source, path);
+    } else {
         struct measurement_grid grid;
+        const char *format = import_format_of(data, bytes)->name;
+        if (strcmp(format, "gtm") && strcmp(format, "csv"))
+            die(EXIT_BAD_INPUT, "%s: is %s; gtlut import it first", path, format);
+        in->is_measurement = true;
         measurement_load(&in->measurement, path, data, bytes);
         measurement_grid_make(&grid, &in->measurement, path);
         source_from_grid(&in->source, &grid, in->measurement.source);
-    } else {
-        source_open(&in->source, path);
     }
     free(data);
 }
