@@ -75,10 +75,10 @@ struct raster_normal {
 };
 static inline struct raster_normal raster_decode_normal(const struct raster_surface *s, unsigned shift)
 {
-    /* Rounded to nearest, without the slot; the depth's bias off, below which an interpolated depth may err. */
-    struct raster_normal n = {
-        (int16_t)(s->normal & 0xffff), (int16_t)(s->normal >> 16),
-        (int32_t)(((s->depth_slot >> 8) + (1u << shift >> 1)) >> shift) - (int32_t)(DEPTH_BIAS >> shift), 0};
+    /* d: without the slot, rounded to nearest, the depth's bias off, below which an interpolated depth may err. */
+    const int32_t offset = (1 << shift >> 1) - (int32_t)DEPTH_BIAS;
+    struct raster_normal n = {(int16_t)(s->normal & 0xffff), (int16_t)(s->normal >> 16),
+                              ((int32_t)(s->depth_slot >> 8) + offset) >> shift, 0};
     n.d = fx_max(n.d, 64);
     uint32_t den = (uint32_t)(n.d * n.d) + (uint32_t)(n.u * n.u) + (uint32_t)(n.v * n.v); /* 2^12 .. 2^30 */
     unsigned k = (fx_clz(den) - 2) >> 1; /* the same direction, with den in 2^28..2^30 */

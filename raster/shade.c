@@ -161,8 +161,10 @@ static void gather_run(const struct output *o, struct raster_block *k, uint32_t 
             nv = fx_max(fx_dot(n, v), 1 << 22);
         }
         struct raster_batch_pixel *p = &b->pixel[b->count];
-        p->normal_xy = lanes(fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767));
-        p->normal_z = fx_clamp(n.z, -32768, 32767);
+        if (((uint32_t)(n.x + 32768) | (uint32_t)(n.y + 32768) | (uint32_t)(n.z + 32768)) >> 16)
+            n = (struct vec3){fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767), fx_clamp(n.z, -32768, 32767)};
+        p->normal_xy = lanes(n.x, n.y);
+        p->normal_z = n.z;
         p->nv = nv;
         p->at = x | y << 8;
         b->surface[b->count++] = (uint16_t)index;
