@@ -56,7 +56,7 @@ static char *error_text(const struct metrics *m)
 
 void build_half_vector(const struct build_input *in, const struct build_options *o)
 {
-    struct brdf_source truth = {.value = symmetric_value, .ctx = (void *)&in->source, .theta_in = 90, .theta_out = 90};
+    struct brdf_source truth = {.value = symmetric_value, .ctx = (void *)&in->source, .symmetric = true};
     struct brdf_source source;
     struct half_vector table;
     struct build_result r = {.kind = LUT_HALF_VECTOR};

@@ -26,7 +26,7 @@ static void print_text(const struct build_result *r, const struct comparison *c,
         fprintf(stderr, ", %zu of them the re-packed copy", r->packed_bytes);
     fprintf(stderr, "; built in %.2f s\n", r->seconds);
     fprintf(stderr, "mean dE %.3g, 99th percentile %.3g, PSNR %.1f dB, against the source%s\n", m->de_mean, m->de_p99,
-            m->psnr, half && c->reciprocity_source > 1e-6 ? " made reciprocal" : "");
+            m->psnr, half && c->reciprocity_source > 0 ? " made reciprocal" : "");
     fputs("relative error", stderr);
     for (int i = 0; i < METRICS_BANDS; i++)
         fprintf(stderr, "%s theta_in %g..%g: %.3g", i ? "," : "", metrics_band[i][0], metrics_band[i][1], m->band[i]);
@@ -80,10 +80,17 @@ static void print_json(const struct build_result *r, const struct comparison *c,
     json_close('}');
 }
 
+/* Rounding in double is none. */
+static double reciprocity_error(const struct brdf_source *f)
+{
+    double error = metrics_reciprocity(f);
+    return error < 1e-9 ? 0 : error;
+}
+
 void build_report(const struct build_result *r, const struct brdf_source *table, const struct brdf_source *source,
                   bool json)
 {
-    struct comparison c = {metrics_reciprocity(source), metrics_reciprocity(table), {{0}}, {{0}}};
+    struct comparison c = {reciprocity_error(source), reciprocity_error(table), {{0}}, {{0}}};
     for (int i = 0; i < TABLE_ALBEDO_ANGLES; i++) {
         metrics_albedo(c.source[i], source, table_albedo_angles[i]);
         metrics_albedo(c.table[i], table, table_albedo_angles[i]);
