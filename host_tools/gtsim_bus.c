@@ -38,7 +38,7 @@ struct port {
     GQueue out, in, complete; /* of struct urb */
     bool gone, frozen;
     bool waiting; /* the last REAPURB found nothing */
-    long long out_bytes, unplug_after, freeze_after;
+    long long out_bytes, unplug_after, freeze_after, damage_after;
     uint8_t descriptors[64];
     int descriptor_bytes;
 };
@@ -173,6 +173,10 @@ static bool port_send(struct port *p)
     uint8_t *data = u->buffer ? u->buffer->data + u->done : NULL;
     if (u->done == 0 && p->bus->options->protocol_version != USB_PROTOCOL_VERSION && is_header(data, left))
         data[2] = (uint8_t)~USB_PROTOCOL_VERSION; /* the firmware refuses it, as that of another version would */
+    if (p->damage_after >= 0 && p->out_bytes >= p->damage_after && left > 100) {
+        data[left / 2] ^= 1;
+        p->damage_after = -1;
+    }
     int n = sim_out(p->device->board, USB_ENDPOINT_OUT, data, left);
     if (n == SIM_NAK)
         return false;
@@ -470,6 +474,7 @@ static void port_create(struct bus *b, int i)
     p->number = i + 1;
     p->unplug_after = i ? -1 : b->options->unplug_after;
     p->freeze_after = i ? -1 : b->options->freeze_after;
+    p->damage_after = i ? -1 : b->options->damage_after;
     g_queue_init(&p->out);
     g_queue_init(&p->in);
     g_queue_init(&p->complete);

@@ -17,6 +17,7 @@ struct bus_options {
     long long
         unplug_after; /* bytes of bulk OUT data after which the first device is unplugged for a moment; -1: never */
     long long freeze_after;    /* the same, and it no longer answers on its bulk endpoints until reopened; -1: never */
+    long long damage_after;    /* the same, and one bit of the next long packet is wrong; -1: never */
     unsigned protocol_version; /* other than the firmware's own: the devices claim to speak this one */
 };
 

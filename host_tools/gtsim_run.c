@@ -7,7 +7,7 @@
 
 #include "gtsim_bus.h"
 
-enum { KEY_SERIAL = 1, KEY_FLASH, KEY_FULL_SPEED, KEY_LOCK, KEY_UNPLUG, KEY_FREEZE, KEY_VERSION, KEY_BANK };
+enum { KEY_SERIAL = 1, KEY_FLASH, KEY_FULL_SPEED, KEY_LOCK, KEY_UNPLUG, KEY_FREEZE, KEY_DAMAGE, KEY_VERSION, KEY_BANK };
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
 {
@@ -41,6 +41,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case KEY_FREEZE:
         o->freeze_after = parse_long("--freeze-after", arg, 0, 1 << 30);
         return 0;
+    case KEY_DAMAGE:
+        o->damage_after = parse_long("--damage-after", arg, 0, 1 << 30);
+        return 0;
     case KEY_VERSION:
         o->protocol_version = (unsigned)parse_long("--protocol-version", arg, 1, 255);
         return 0;
@@ -60,6 +63,7 @@ static const struct argp_option options[] = {
     {"unplug-after", KEY_UNPLUG, "BYTES", 0, "pull the first device's cable when so many bytes went out; it comes back",
      1},
     {"freeze-after", KEY_FREEZE, "BYTES", 0, "the first device no longer answers after so many, until it is closed", 1},
+    {"damage-after", KEY_DAMAGE, "BYTES", 0, "one bit on its way to the first device is wrong after so many", 1},
     {"protocol-version", KEY_VERSION, "N", 0, "claim to speak this version of the protocol", 1},
     {0}};
 
@@ -104,6 +108,7 @@ int command_run(int argc, char **argv)
                             .board = board_default(),
                             .unplug_after = -1,
                             .freeze_after = -1,
+                            .damage_after = -1,
                             .protocol_version = USB_PROTOCOL_VERSION};
     int first;
     o.board.serial = "GT-SIM-0001";

@@ -187,17 +187,47 @@ void device_close(struct link *l)
     libusb_exit(context);
 }
 
+/* Serial numbers are ASCII; what else a device may send is left out. */
+static void candidate_print_json(const struct candidate *c, bool first)
+{
+    char serial[sizeof c->serial];
+    size_t n = 0;
+    for (const char *p = c->serial; *p; p++)
+        if (*p >= ' ' && *p < 127 && *p != '"' && *p != '\\')
+            serial[n++] = *p;
+    serial[n] = 0;
+    printf("%s {\"port\": \"%s\", \"serial\": \"%s\", \"error\": ", first ? "" : ",\n", c->port, serial);
+    printf(c->error ? "\"%s\"}" : "null}", libusb_strerror(c->error));
+}
+
+static error_t parse_list_option(int key, char *arg, struct argp_state *state)
+{
+    (void)arg;
+    if (key != 'j')
+        return ARGP_ERR_UNKNOWN;
+    *(bool *)state->input = true;
+    return 0;
+}
+
 void command_list(int argc, char **argv)
 {
-    static const struct argp argp = {NULL, NULL, NULL, "Prints port, id and serial number of every device, one a line.",
-                                     NULL, NULL, NULL};
+    static const struct argp_option options[] = {{"json", 'j', NULL, 0, "print JSON", 0}, {0}};
+    static const struct argp argp = {
+        options, parse_list_option, NULL, "Prints port, id and serial number of every device, one a line.", NULL, NULL,
+        NULL};
     struct candidate all[MAX_CANDIDATES];
-    options_parse(&argp, argc, argv, NULL);
+    bool json = false;
+    options_parse(&argp, argc, argv, &json);
     int count = candidates_find(all);
+    fputs(json ? "[" : "", stdout);
     for (int i = 0; i < count; i++) {
-        candidate_print(stdout, &all[i]);
+        if (json)
+            candidate_print_json(&all[i], i == 0);
+        else
+            candidate_print(stdout, &all[i]);
         libusb_unref_device(all[i].device);
     }
+    fputs(json ? "]\n" : "", stdout);
     libusb_exit(context);
     if (!count)
         die(EXIT_NO_DEVICE, "no device: none with id %04x:%04x on any bus; plug it in, or try 'gtsim run -- gtusb ...'",

@@ -22,7 +22,7 @@ expect help_goes_to_stdout 0 'Usage: gtusb COMMAND.*frame.*Exit codes.*' '' gtus
 expect version_is_printed 0 'gtusb [0-9]+\.[0-9]+\.[0-9]+' '' gtusb --version
 expect no_command_is_a_usage_error 2 '' 'Usage: gtusb COMMAND.*' gtusb
 expect unknown_command_is_a_usage_error 2 '' "gtusb: no command 'fly'; see .*" gtusb fly
-for c in list info push select frame stats reset "set camera" "set light" "set output" "set model"; do
+for c in list info push verify select frame stats reset "set camera" "set light" "set output" "set model"; do
     expect "help_of_${c// /_}" 0 "Usage: gtusb $c.*" '' gtusb $c --help
     expect "version_of_${c// /_}" 0 'gtusb [0-9.]+' '' gtusb $c --version
     expect "unknown_option_of_${c// /_}" 2 '' "gtusb $c: .*--unknown.*" gtusb $c --unknown
@@ -39,6 +39,8 @@ usage push_slot_out_of_range "gtusb: push: --slot: '16' is not a whole number fr
 usage push_slot_not_a_number "gtusb: push: --slot: 'two' is not .*" push "$work/gold.ktx2" --slot two
 usage push_table_without_slot 'gtusb: push: .*gold.ktx2 is a table: --slot is missing; .*' push "$work/gold.ktx2"
 usage push_scene_with_slot 'gtusb: push: .*six_models.blob is a scene .*; leave --slot out' push "$scene" --slot 0
+usage verify_without_file 'Usage: gtusb verify.*' verify
+usage verify_table_without_slot 'gtusb: verify: .*gold.ktx2 is a table: --slot is missing; .*' verify "$work/gold.ktx2"
 usage select_without_slot 'gtusb: select: MATERIAL and SLOT are needed; .*' select 1
 usage select_slot_out_of_range "gtusb: select: SLOT: '16' is not .* 0 to 15" select 1 16
 usage select_material_out_of_range "gtusb: select: MATERIAL: '-1' is not .*" select -- -1 0
@@ -149,6 +151,23 @@ info_json() {
         x.scene.bytes == $scene_bytes && x.tables[0].kind == 'table' && x.tables[0].bytes == $bytes && x.tables[15].kind == 'empty'"
 }
 check info_json_parses info_json
+info_counts_erasures() { # of the two banks, in turn, over restarts
+    rm -f "$work/flash.new"
+    for i in 1 2 3; do
+        gtsim run $bank --flash "$work/flash.new" -- gtusb push "$work/gold.ktx2" --slot 2 || return 1
+    done
+    gtsim run $bank --flash "$work/flash.new" -- bash -c 'gtusb info --json >"$work/info.json"; gtusb info' >"$work/info.txt" &&
+        json "$work/info.json" "x.tables[2].erases.join() == '2,1' && x.tables[3].erases.join() == '0,0' && x.flash.scrubbed == 0 &&
+            x.flash.block_bytes == 4096 && x.flash.bytes == 2 * (2097152 + 16 * 131072)" &&
+        grep -q '^2 .* 2 + 1 times$' "$work/info.txt" && grep -q '^flash *8388608 bytes in blocks of 4096$' "$work/info.txt"
+}
+check info_counts_erasures info_counts_erasures
+list_json() {
+    gtsim run --devices 2 -- gtusb list --json >"$work/list.json" &&
+        json "$work/list.json" "x.length == 2 && x.map(d => d.serial).sort().join() == 'GT-SIM-0001,GT-SIM-0001-2' &&
+            x.every(d => d.error === null && /^1-[12]\$/.test(d.port))"
+}
+check list_json_parses list_json
 expect stats_before_a_frame 0 'frames 0, tiles 0.*' '' loaded -- gtusb stats
 stats_add_up() {
     loaded -- bash -c 'gtusb frame -o "$work/s.png" && gtusb stats --json --tiles > "$work/stats.json" &&
@@ -167,6 +186,23 @@ expect push_prints_bytes_time_rate 0 "gold.ktx2 to table slot 7: $bytes bytes in
     loaded -- gtusb push "$work/gold.ktx2" --slot 7
 expect push_scene_prints_bytes_time_rate 0 "six_models.blob to scene: $scene_bytes bytes in [0-9.]+ s, [0-9.]+ MB/s" '' \
     loaded -- gtusb push "$scene"
+push_json() {
+    loaded -- gtusb push "$work/gold.ktx2" --slot 7 --json >"$work/push.json" &&
+        json "$work/push.json" "x.slot == 7 && x.kind == 'table' && x.bytes == $bytes && x.resumed_after == 0 && x.verified &&
+            x.file == '$work/gold.ktx2' && x.bytes_per_second > 0 && x.crc > 0"
+}
+check push_json_parses push_json
+expect verify_of_what_was_pushed 0 "gold.ktx2 is in table slot 5: $bytes bytes, CRC-32 [0-9a-f]{8}
+six_models.blob is in scene: $scene_bytes bytes, CRC-32 [0-9a-f]{8}" '' \
+    loaded -- bash -c 'gtusb verify "$work/gold.ktx2" --slot 5 && gtusb verify "$DEMO/six_models.blob"'
+expect verify_of_another_table 10 '' 'gtusb: verify: gold.ktx2: table slot 6 differs: its CRC-32 is .*; push the file again' \
+    loaded -- gtusb verify "$work/gold.ktx2" --slot 6
+expect verify_of_an_empty_slot 10 '' 'gtusb: verify: gold.ktx2: table slot 9 is empty; push the file' \
+    loaded -- gtusb verify "$work/gold.ktx2" --slot 9
+for after in 0 20 30000; do # in BEGIN's neighbourhood, in the first DATA, in the midst of others on their way
+    expect "data_damaged_after_${after}_bytes_is_sent_again" 0 "gold.ktx2 to table slot 1: $bytes bytes .*is in table slot 1.*" '' \
+        loaded --damage-after $after -- bash -c 'gtusb push "$work/gold.ktx2" --slot 1 && gtusb verify "$work/gold.ktx2" --slot 1'
+done
 tables=(); for s in 0 1 2 3 4 5; do tables+=(--table $s="$work/gold.ktx2"); done
 same_as_render() { # gtsim options...
     loaded "$@" -- gtusb frame -o "$work/usb.png" && gtsim render "$scene" "${tables[@]}" -o "$work/render.png" \

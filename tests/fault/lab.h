@@ -1,7 +1,7 @@
 /*
  * A small device with flash to spare, and what its pictures look like with each of the tables: what the fault tests do their harm to.
  *
- * Scene in slot 0, table slots 1 and 2; the scene's only material takes its table from slot 1. Everything the tests push is known here,
+ * Scene in slot 0, table slots 1 to 3; the scene's only material takes its table from slot 1. Everything the tests push is known here,
  * so that any content found later is either one of these, whole, or wrong.
  */
 #ifndef TESTS_FAULT_LAB_H
@@ -9,7 +9,7 @@
 
 #include "sim_device.h"
 
-enum { LAB_SLOTS = 3, LAB_WIDTH = 100, LAB_HEIGHT = 40, LAB_PICTURE = 3 * LAB_WIDTH * LAB_HEIGHT };
+enum { LAB_SLOTS = 4, LAB_WIDTH = 100, LAB_HEIGHT = 40, LAB_PICTURE = 3 * LAB_WIDTH * LAB_HEIGHT };
 
 /* Contents by number. Tables are of one colour each, the big ones fill a bank's three blocks; LAB_NOTHING: an empty slot. */
 enum lab_content {

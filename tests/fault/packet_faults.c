@@ -53,9 +53,9 @@ static void change(uint8_t *packet, size_t bytes, unsigned n)
 {
     if (bytes == 0)
         return;
-    size_t bit = (size_t)n * 5 % (8 * bytes);
+    size_t bit = (size_t)n * 43 % (8 * bytes);
     packet[bit / 8] ^= (uint8_t)(1 << bit % 8);
-    for (unsigned more = 0; more < n % 4; more++) /* one bit, or a burst of up to four bytes */
+    for (unsigned more = 1; n >= 64 && more <= n % 4; more++) /* one bit, or a burst of up to four bytes */
         packet[(bit / 8 + more) % bytes] ^= (uint8_t)(0x35 * (n + more) + 1);
 }
 
