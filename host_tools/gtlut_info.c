@@ -207,6 +207,14 @@ static struct range measurement_range(const struct measurement *m)
     return r;
 }
 
+static size_t count_marked(const struct measurement *m, enum measurement_mark mark)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < m->count; i++)
+        count += m->points[i].mark == (uint32_t)mark;
+    return count;
+}
+
 static void print_measurement(const struct measurement *m, const struct measurement_grid *g, size_t bytes)
 {
     struct range r = measurement_range(m);
@@ -214,6 +222,8 @@ static void print_measurement(const struct measurement *m, const struct measurem
     printf("bytes: %zu\n", bytes);
     printf("source: %s\n", m->source);
     printf("points: %zu\n", m->count);
+    printf("extrapolated: %zu\n", count_marked(m, MEASUREMENT_EXTRAPOLATED));
+    printf("filled in: %zu\n", count_marked(m, MEASUREMENT_FILLED));
     for (size_t i = 0; i < g->count; i++) {
         const struct measurement_slice *s = &g->slices[i];
         printf("theta_in %g: theta_out %g..%g (%zu), phi_out %g..%g (%zu)\n", s->theta_in, s->theta_out[0],
@@ -232,6 +242,8 @@ static void json_measurement(const struct measurement *m, const struct measureme
     json_integer("bytes", bytes);
     json_string("source", m->source, sizeof m->source);
     json_integer("points", m->count);
+    json_integer("extrapolated", count_marked(m, MEASUREMENT_EXTRAPOLATED));
+    json_integer("filled_in", count_marked(m, MEASUREMENT_FILLED));
     json_open("slices", '[');
     for (size_t i = 0; i < g->count; i++) {
         const struct measurement_slice *s = &g->slices[i];

@@ -125,7 +125,7 @@ ok "measure --geometry dense gives 18 angles of incidence" measures_dense
 # --- import, build, info ---
 imports_csv() {
     quiet "$G" import white.csv -o white.gtm && quiet "$G" info white.gtm >out || return 1
-    grep -qx 'source: white.csv' out && grep -qx 'points: 109440' out &&
+    grep -qx 'source: white.csv' out && grep -qx 'points: 109440' out && grep -qx 'extrapolated: 0' out && grep -qx 'filled in: 0' out &&
         grep -qx 'theta_in 60: theta_out 0..75 (76), phi_out 0..359 (360)' out || { cat out; return 1; }
     built white.gtm -o a.ktx2 && built white.csv -o b.ktx2 && cmp a.ktx2 b.ktx2
 }
