@@ -28,7 +28,7 @@ struct raster_plane {
 #define RASTER_BLOCK_SHIFT  4  /* the largest block's edge is 2^this */
 #define RASTER_BLOCK_LIGHTS 4  /* lights whose planes are kept for a block */
 #define VIEW_PLANE_BITS     10 /* more than Q15 */
-#define TERM_D_BITS         20 /* of the half-vector table's d coordinate */
+#define TERM_D_BITS         16 /* of the half-vector table's d coordinate */
 
 enum { PLANE_A_XY, PLANE_B_XY, PLANE_AB_Z, PLANE_TERM, PLANE_COUNT };
 
@@ -37,7 +37,7 @@ struct raster_block_light {
         plane[PLANE_COUNT]; /* a and b: Q15, x and a.z in the low halves; the term: see term_find, light.c */
     uint32_t l_xy;          /* Q15 */
     int32_t l_z;
-    uint32_t inv_lv;     /* 1/|l-v|, 1.0 = 2^27, mean of the corners, at most 8 */
+    uint32_t inv_lv;     /* 1/|l-v|, 1.0 = 2^27, mean of the corners; 1/2 .. 8 */
     uq16_16_t colour[3]; /* irradiance at the pixels; attenuated for point lights */
 };
 

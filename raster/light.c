@@ -127,7 +127,7 @@ uint8_t raster_block_shift(const struct raster_view *v)
 struct corner {
     struct vec3 a, b;      /* Q15 */
     uint32_t sine, cosine; /* of theta_d, 1.0 = 2^27 */
-    uint32_t inv_lv;       /* 1.0 = 2^27, at most 8 */
+    uint32_t inv_lv;       /* 1.0 = 2^27, at most 8, at least 1/2 + 2^-25 */
 };
 
 /* (|x|/2)^2, Q30, at least 1. In: |component| < 2^16, Q15. */
@@ -163,7 +163,7 @@ static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
     int32_t mc = (int32_t)(lut_rsqrt(c2, &cs) >> 1), ms = (int32_t)(lut_rsqrt(s2, &ss) >> 1);
     out->cosine = (uint32_t)((uint64_t)c2 * (uint32_t)mc >> (17 + cs));
     out->sine = (uint32_t)((uint64_t)s2 * (uint32_t)ms >> (17 + ss));
-    out->inv_lv = ss < 12 ? 1u << 30 : (uint32_t)ms >> (ss - 12);
+    out->inv_lv = ss < 12 ? 1u << 30 : (uint32_t)fx_max(ms >> (ss - 12), (1 << 26) + 4);
     /* b = l x v / (2 sin cos): first l x v / (2 cos), Q27, at most the sine, below 2^(ss+12); |l x v| <= 2^(cs+16) */
     const int32_t up_c = 1 << (16 - cs), up_s = 1 << (16 - ss);
     int32_t b[3] = {l.y * v.z - l.z * v.y, l.z * v.x - l.x * v.z, l.x * v.y - l.y * v.x};

@@ -1,0 +1,66 @@
+/*
+ * The half-vector table (lut.h) over a block: what its variants share. They give the same bits:
+ *
+ *   both = n.l + n.v                                               Q30, at most 2^31 + 2^19
+ *   na2 = (n.a)^2, s2 = na2 + (n.b)^2                              Q28, each square rounded down
+ *   x = min(s2 + 2^12, 2^28 - 1)                                   Q28
+ *   u = the h axis' warp at x, between nodes with 11 fraction bits  20 fraction bits: row h, then the fraction hf of 2^32
+ *   ratio = n.l / both                                             Q15, below 2^15
+ *   far = (2 ratio - 1)^2, which is (n.a)^2 |l-v|^2 / both^2        Q30 >> 20: no inv_lv, no wide products (PC kernel asks for this)
+ *   t2 = min(max(na2/(x >> 10), far), 1023), times T-1              10 fraction bits: node t, then ft of 256
+ *   d from the term's plane                                        16 fraction bits: plane d, then fd of 64
+ *   A = sum of row h's texels (t, d), (t+1, d), (t, d+1), (t+1, d+1) times (256-ft)(64-fd), ft (64-fd), (256-ft) fd, ft fd
+ *   B = row h+1's                                                  15 bits by 2^14: below 2^29
+ *   scale = ratio 2^16 2^-shift, scale1 = scale hf, scale0 = scale - scale1
+ *   S = A scale0 + B scale1                                        each product's high word: below 2^28
+ *   radiance += S colour                                           high word: below 2^27
+ *
+ * A texel's 15 bits are M = (mantissa << 6) >> (E - e), E the largest exponent field of the h and d cell, which the table's file
+ * lists, so that the re-packed copy ("slabs") gives the same bits.
+ */
+#ifndef RASTER_HALF_VECTOR_H
+#define RASTER_HALF_VECTOR_H
+
+#include "block.h"
+
+/* Adds the light to pixels first .. end-1 of the batch and returns how many it reaches. In: n.v >= 2^-8 for each of them, and
+ * light->inv_lv >= 2^26. */
+typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
+                                    const struct raster_block_light *light);
+raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
+raster_half_vector raster_half_vector_packed; /* table->slabs != NULL */
+
+/* What is used for tables with and without a re-packed copy. */
+#define HALF_VECTOR_PACKED raster_half_vector_packed
+#define HALF_VECTOR_PLAIN  raster_half_vector_plain
+
+/* One light and table: what does not change from pixel to pixel. */
+struct half_vector_constants {
+    uint32_t colour[3]; /* times 2^-up, Q31 */
+    int32_t top;        /* cell exponent at which a term needs no shift, <= 31 */
+};
+
+/* A term is sum 2^(E - 24 - 6 - 14 + scale) * (ratio 2^-15) * (colour 2^(up - 31)) with 20 fraction bits, and is computed as
+ * (sum * (ratio << 16 >> shift) >> 32) * colour >> 32, thus shift = 22 - scale - up - E. */
+static inline struct half_vector_constants half_vector_constants_find(const struct lut_table *t,
+                                                                      const struct raster_block_light *light)
+{
+    struct half_vector_constants c;
+    uint32_t largest = light->colour[0] | light->colour[1] | light->colour[2] | 1;
+    unsigned lead = fx_clz(largest);
+    c.top = 22 - t->scale - (16 - (int32_t)lead);
+    unsigned dim = c.top > 31 ? (unsigned)c.top - 31 : 0; /* at most 38 - 31 + 16 */
+    c.top -= (int32_t)dim;
+    for (int k = 0; k < 3; k++)
+        c.colour[k] = light->colour[k] << lead >> 1 >> dim;
+    return c;
+}
+
+/* S colour >> 32, times 2^up, for a cell brighter than the scale's top, where the scale has not been shifted. */
+static inline uint32_t half_vector_bright(uint32_t sum, uint32_t colour, uint32_t up)
+{
+    uint32_t x = fx_mulhi_u(sum, colour); /* < 2^27 */
+    return up > 27 || x >> (27 - up) ? (x ? RASTER_LIGHT_LIMIT : 0) : x << up;
+}
+
+#endif
