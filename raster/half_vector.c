@@ -10,8 +10,7 @@ struct place {
     uint32_t ft, fd;  /* of 256, of 64 */
 };
 
-static inline struct place place_find(const struct lut_table *table, const struct raster_pixel *p, uint32_t both,
-                                      uint32_t inv_lv)
+static inline struct place place_find(const struct lut_table *table, const struct raster_pixel *p, uint32_t ratio)
 {
     struct place o;
     const uint32_t na2 = (uint32_t)fx_mulhi(p->na, p->na); /* Q28 */
@@ -24,10 +23,11 @@ static inline struct place place_find(const struct lut_table *table, const struc
         ((uint32_t)w[0] << 11) + (uint32_t)(w[1] - w[0]) * (m >> 17 & 0x7ff); /* < nodes-1, see lut_open */
     o.h = u >> 20;
     o.hf = u << 12;
-    /* cos^2 of the azimuth: over the smaller of sin^2 theta_h and ((n.l + n.v)/|l-v|)^2, 18 fraction bits */
-    const uint32_t wd = fx_mulhi_u(both, inv_lv); /* Q25, 2^16 .. 2^29 */
-    const uint32_t far = fx_mulhi_u(wd, wd), near = x >> 10;
-    uint32_t t2 = na2 / (far < near ? far : near); /* 10 fraction bits */
+    /* cos^2 of the azimuth, or ((n.l - n.v)/(n.l + n.v))^2 where that is larger; 10 fraction bits */
+    const int32_t tilt = 2 * (int32_t)ratio - (1 << 15);
+    const uint32_t far = (uint32_t)(tilt * tilt) >> 20;
+    uint32_t t2 = na2 / (x >> 10);
+    t2 = t2 > far ? t2 : far;
     t2 = (t2 < 1023 ? t2 : 1023) * (table->width - 1);
     o.t = t2 >> 10;
     o.ft = t2 >> 2 & 255;
@@ -118,7 +118,7 @@ __attribute__((always_inline)) static inline uint32_t shade(struct raster_batch 
         lit++;
         const uint32_t both = (uint32_t)p.nl + (uint32_t)b->pixel[i].nv;
         const uint32_t ratio = (uint32_t)p.nl / (both >> 15); /* < 2^15 as n.v >= 2^-8 */
-        const struct place o = place_find(table, &p, both, light->inv_lv);
+        const struct place o = place_find(table, &p, ratio);
         const struct sums s = packed ? taps_packed(table, &o) : taps_plain(table, &o);
         const int32_t shift = k.top - (int32_t)s.exponent;
         const uint32_t scale = ratio << 16 >> fx_max(shift, 0), scale1 = fx_mulhi_u(scale, o.hf),

@@ -6,7 +6,7 @@
  *   x = min(s2 + 2^12, 2^28 - 1)                                   Q28
  *   u = the h axis' warp at x, between nodes with 11 fraction bits  20 fraction bits: row h, then the fraction hf of 2^32
  *   ratio = n.l / both                                             Q15, below 2^15
- *   far = (2 ratio - 1)^2, which is (n.a)^2 |l-v|^2 / both^2        Q30 >> 20: no inv_lv, no wide products (PC kernel asks for this)
+ *   far = (2 ratio - 1)^2, which is (n.a)^2 |l-v|^2 / both^2        Q30 >> 20: no further division
  *   t2 = min(max(na2/(x >> 10), far), 1023), times T-1              10 fraction bits: node t, then ft of 256
  *   d from the term's plane                                        16 fraction bits: plane d, then fd of 64
  *   A = sum of row h's texels (t, d), (t+1, d), (t, d+1), (t+1, d+1) times (256-ft)(64-fd), ft (64-fd), (256-ft) fd, ft fd
@@ -23,8 +23,7 @@
 
 #include "block.h"
 
-/* Adds the light to pixels first .. end-1 of the batch and returns how many it reaches. In: n.v >= 2^-8 for each of them, and
- * light->inv_lv >= 2^26. */
+/* Adds the light to pixels first .. end-1 of the batch and returns how many it reaches. In: n.v >= 2^-8 for each of them. */
 typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
                                     const struct raster_block_light *light);
 raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
