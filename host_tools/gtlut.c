@@ -61,14 +61,9 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         int (*run)(int argc, char **argv);
-    } subcommands[] = {{"measure", gtlut_measure},
-                       {"import", gtlut_import},
-                       {"build", gtlut_build},
-                       {"info", gtlut_info},
-                       {"export", gtlut_export},
-                       {"formats", gtlut_formats},
-                       {"check", gtlut_check},
-                       {"fit", gtlut_fit}};
+    } subcommands[] = {{"measure", gtlut_measure}, {"import", gtlut_import}, {"build", gtlut_build},
+                       {"info", gtlut_info},       {"export", gtlut_export}, {"formats", gtlut_formats},
+                       {"check", gtlut_check},     {"fit", gtlut_fit}};
     common_set_name("gtlut", NULL);
     if (argc < 2)
         die(EXIT_USAGE, "no subcommand; see gtlut --help");
