@@ -44,11 +44,7 @@ void cornell_load(struct measurement *out, const char *path, uint8_t *data, size
     struct spectral s;
     double cells[ANGLES + MAX_WAVELENGTHS], nm[MAX_WAVELENGTHS];
     text_open(&r, path, data, bytes);
-    double count = text_number(&r, "the number of wavelengths", text_token(&r), false);
-    if (!(count >= 1 && count <= MAX_WAVELENGTHS) || count != floor(count))
-        die(EXIT_BAD_INPUT, "%s:%zu: %g wavelengths, want a whole number from 1 to %d", path, r.line, count,
-            MAX_WAVELENGTHS);
-    size_t wavelengths = (size_t)count;
+    size_t wavelengths = text_count(&r, "wavelengths", MAX_WAVELENGTHS);
     for (size_t i = 0; i < wavelengths; i++) {
         nm[i] = text_number(&r, "a wavelength", text_token(&r), false);
         if (!(nm[i] > (i ? nm[i - 1] : 0)))

@@ -61,6 +61,21 @@ double text_number(const struct text_reader *r, const char *what, const char *to
     return x;
 }
 
+size_t text_count(struct text_reader *r, const char *what, size_t max)
+{
+    double count = text_number(r, what, text_token(r), false);
+    if (!(count >= 1 && count <= (double)max) || count != floor(count))
+        die(EXIT_BAD_INPUT, "%s:%zu: %g %s, want a whole number from 1 to %zu", r->path, r->line, count, what, max);
+    return (size_t)count;
+}
+
+void text_want(const struct text_reader *r, const char *token, const char *word)
+{
+    if (!token || strcmp(token, word))
+        die(EXIT_BAD_INPUT, "%s:%zu: '%.40s' where %s is wanted; the file is truncated or damaged", r->path, r->line,
+            token ? token : "", word);
+}
+
 void text_numbers(double *out, size_t count, size_t any_from, const struct text_reader *r, char *line)
 {
     size_t n = 0;

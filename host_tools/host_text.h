@@ -30,6 +30,12 @@ char *text_token(struct text_reader *r);
  * file ended. */
 double text_number(const struct text_reader *r, const char *what, const char *token, bool any);
 
+/* The next word as a whole number from 1 to `max`; dies likewise. */
+size_t text_count(struct text_reader *r, const char *what, size_t max);
+
+/* Dies unless the token is that word. */
+void text_want(const struct text_reader *r, const char *token, const char *word);
+
 /* The numbers of one line, separated by blanks or commas; dies unless there are exactly `count`. Those from `any_from` on may be
  * nan or inf. */
 void text_numbers(double *out, size_t count, size_t any_from, const struct text_reader *r, char *line);

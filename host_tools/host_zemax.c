@@ -27,11 +27,9 @@ bool zemax_recognise(const uint8_t *data, size_t bytes)
 
 static void read_axis(struct axis *a, struct text_reader *r, const char *name, double lo, double hi)
 {
-    double count = text_number(r, name, text_token(r), false);
-    if (a->value || !(count >= 1 && count <= MAX_ANGLES) || count != floor(count))
-        die(EXIT_BAD_INPUT, "%s:%zu: %g angles of %s, want a whole number from 1 to %d, once", r->path, r->line, count,
-            name, MAX_ANGLES);
-    a->count = (size_t)count;
+    a->count = text_count(r, name, MAX_ANGLES);
+    if (a->value)
+        die(EXIT_BAD_INPUT, "%s:%zu: %s a second time; the file is damaged", r->path, r->line, name);
     a->value = xmalloc(a->count * sizeof *a->value);
     for (size_t i = 0; i < a->count; i++) {
         double x = a->value[i] = text_number(r, name, text_token(r), false);
@@ -84,24 +82,16 @@ static const char *read_header(struct layout *l, struct text_reader *r)
     return key;
 }
 
-static void want_word(struct text_reader *r, const char *word)
-{
-    const char *is = text_token(r);
-    if (!is || strcmp(is, word))
-        die(EXIT_BAD_INPUT, "%s:%zu: '%.40s' where %s is wanted; the file is truncated or damaged", r->path, r->line,
-            is ? is : "", word);
-}
-
 static void read_channel(double *values, struct text_reader *r, const struct layout *l)
 {
-    want_word(r, "DataBegin");
+    text_want(r, text_token(r), "DataBegin");
     for (size_t i = 0; i < l->incidence.count; i++) {
-        want_word(r, "TIS");
+        text_want(r, text_token(r), "TIS");
         text_number(r, "a total integrated scatter", text_token(r), true);
         for (size_t k = 0; k < l->azimuth.count * l->radial.count; k++)
             *values++ = text_number(r, "a BSDF value", text_token(r), true);
     }
-    want_word(r, "DataEnd");
+    text_want(r, text_token(r), "DataEnd");
 }
 
 /* The direction at (radial, azimuth) around the mirror direction of light at theta_in; false below the surface. */
@@ -122,7 +112,7 @@ static bool direction(double angle[4], double theta_in, double radial, double az
 void zemax_load(struct measurement *out, const char *path, uint8_t *data, size_t bytes,
                 const struct import_options *options)
 {
-    (void)options; /* tristimulus values carry no illuminant; they are taken as relative to D65 */
+    (void)options; /* tristimulus values are taken as relative to D65 */
     static const char *const channels[] = {"TristimulusX", "TristimulusY", "TristimulusZ"};
     struct text_reader r;
     struct layout l = {0};
@@ -132,11 +122,8 @@ void zemax_load(struct measurement *out, const char *path, uint8_t *data, size_t
     if (count > MEASUREMENT_MAX_POINTS)
         die(EXIT_BAD_INPUT, "%s: %zu values, the limit is %u; thin them out", path, count, MEASUREMENT_MAX_POINTS);
     double *values[3] = {0};
-    for (int c = 0; c < (l.xyz ? 3 : 1); c++, name = NULL) {
-        const char *want = l.xyz ? channels[c] : "Monochrome", *is = name ? name : text_token(&r);
-        if (!is || strcmp(is, want))
-            die(EXIT_BAD_INPUT, "%s:%zu: '%.40s' where %s is wanted; the file is truncated or damaged", path, r.line,
-                is ? is : "", want);
+    for (int c = 0; c < (l.xyz ? 3 : 1); c++, name = text_token(&r)) {
+        text_want(&r, name, l.xyz ? channels[c] : "Monochrome");
         values[c] = xmalloc(count * sizeof(double));
         read_channel(values[c], &r, &l);
     }

@@ -366,7 +366,7 @@ static void cornell_says_what_is_wrong(void **state)
 {
     (void)state;
     text_dies("2\n400\n", "the file ends where a wavelength is wanted");
-    text_dies("0\n", "0 wavelengths");
+    text_dies("0\n", "0 wavelengths, want a whole number from 1");
     text_dies("2\n500 400\n", "wavelength 400; they must");
     text_dies("1\n500 600\n", "in.brdf:2: more than 1 wavelengths");
     text_dies("1\n500\n0 0 0 0\n", "in.brdf:3: 4 numbers where 5");

@@ -522,6 +522,8 @@ static void rgl_sample_visits_the_geometry(void **state)
     measurement_free(&m);
     rgl_sample(&m, r, "b", measurement_geometry_find("dense"));
     assert_int_equal(m.count, 18 * 89 * 360);
+    for (size_t i = 0; i < m.count; i += 997) /* the file ends at 1.4 rad, 80.2 degrees */
+        assert_int_equal(m.points[i].mark, m.points[i].theta_in > 80.3f ? MEASUREMENT_EXTRAPOLATED : MEASURED);
     measurement_free(&m);
     rgl_close(r);
     free(b.data);
