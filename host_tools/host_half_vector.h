@@ -24,7 +24,7 @@ enum {
 
 struct half_vector {
     uint32_t h, d, t;                                                /* nodes */
-    int scale;                                                       /* texels hold g * 2^scale */
+    int scale;                                                       /* texels times 2^scale are g */
     uint16_t warp_h[HALF_VECTOR_WARP_H], warp_d[HALF_VECTOR_WARP_D]; /* row coordinate x 512 */
     uint32_t *texels;                                                /* [d][h][t] RGB9_E5; owned */
 };

@@ -20,13 +20,30 @@ static uint32_t random32(void)
     return (uint32_t)(random_unit() * 65536) << 16 | (uint32_t)(random_unit() * 65536);
 }
 
-/* A table of two by two equal texels, so that a measured material can be shaded. */
+/* Tables of equal texels, one of each kind, so that measured materials can be shaded. */
 static const struct lut_table *const *tables_make(void)
 {
-    static const uint32_t texels[4] = {0x80402010, 0x80402010, 0x80402010, 0x80402010};
-    static const struct lut_table table = {LUT_SPECULAR_FRAME, texels, 2, 2, 1, 0};
+    static const uint32_t texels[8] = {0x80402010, 0x80402010, 0x80402010, 0x80402010,
+                                       0x80402010, 0x80402010, 0x80402010, 0x80402010};
+    static const struct lut_table frame = {
+        .kind = LUT_SPECULAR_FRAME, .texels = texels, .width = 2, .height = 2, .depth = 1};
+    static uint16_t warp_h[LUT_WARP_H_NODES], warp_d[LUT_WARP_D_NODES];
+    static const uint8_t cells[1] = {16};
+    static const struct lut_table half = {.kind = LUT_HALF_VECTOR,
+                                          .texels = texels,
+                                          .width = 2,
+                                          .height = 2,
+                                          .depth = 2,
+                                          .warp_h = warp_h,
+                                          .warp_d = warp_d,
+                                          .cells = cells};
     static const struct lut_table *tables[RASTER_MAX_SLOTS];
-    tables[0] = tables[5] = &table;
+    for (uint32_t i = 0; i < LUT_WARP_H_NODES; i++)
+        warp_h[i] = (uint16_t)(i << LUT_WARP_BITS >> 7);
+    for (uint32_t i = 0; i < LUT_WARP_D_NODES; i++)
+        warp_d[i] = (uint16_t)(i << LUT_WARP_BITS >> 6);
+    tables[0] = &frame;
+    tables[5] = &half;
     return tables;
 }
 
