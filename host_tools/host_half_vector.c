@@ -210,7 +210,8 @@ uint8_t *half_vector_compose(size_t *bytes, const struct half_vector *t, const s
     uint32_t *slabs = packed ? slabs_make(&slab_bytes, t, cells) : NULL;
 
     struct ktx2_pair *all = xmalloc((pair_count + 7) * sizeof *all);
-    memcpy(all, pairs, pair_count * sizeof *all);
+    if (pair_count)
+        memcpy(all, pairs, pair_count * sizeof *all);
     all[n++] = (struct ktx2_pair){"goniotile.version", "1", 0};
     all[n++] = (struct ktx2_pair){"goniotile.kind", "half_vector", 0};
     all[n++] = (struct ktx2_pair){"goniotile.warph", warp_h, sizeof warp_h};

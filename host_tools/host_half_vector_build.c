@@ -137,28 +137,55 @@ static void density_from_errors(double *density, const uint16_t *warp, const dou
     }
 }
 
-/* Densities of both axes. The rows' are improved on a small table, whose best warp of all rounds stands. */
+/* Planes at equal steps of cos theta_d, what most materials without a backward lobe are well served by. */
+static void density_of_cosine(double *density)
+{
+    double last = 1; /* cosine at y = k/64 */
+    for (int k = 0; k < SEGMENTS_D; k++) {
+        double difference = 1 - 2 * (k + 1.0) / SEGMENTS_D;
+        double cosine = (difference + sqrt(2 - difference * difference)) / 2;
+        density[k] = (last - cosine) * SEGMENTS_D;
+        last = cosine;
+    }
+}
+
+/* Densities of both axes, tried on a small table: the planes' by the survey's bends, by the cosine, or their mean, whichever leaves
+ * the least error; the rows' by the survey, then moved TRIALS times, of which the best stands. */
 static void densities_find(double *density_h, double *density_d, const struct fit_samples *survey,
                            const struct half_vector *t)
 {
-    enum { TRIALS = 5, TRIAL_H = 32, TRIAL_D = 16, TRIAL_T = 4 };
-    double bends_h[SEGMENTS_H], bends_d[SEGMENTS_D], row_error[HALF_VECTOR_MAX_H], trial[SEGMENTS_H];
+    enum { CANDIDATES = 3, TRIALS = 4, TRIAL_H = 32, TRIAL_D = 16, TRIAL_T = 4 };
+    double bends_h[SEGMENTS_H], bends_d[SEGMENTS_D], trial[SEGMENTS_H], planes[CANDIDATES][SEGMENTS_D];
+    double row_error[HALF_VECTOR_MAX_H], best_error[HALF_VECTOR_MAX_H], least = INFINITY;
     survey_bends(bends_h, bends_d, survey);
-    density_from_bends(trial, bends_h, SEGMENTS_H);
-    density_from_bends(density_d, bends_d, SEGMENTS_D);
+    density_from_bends(density_h, bends_h, SEGMENTS_H);
+    density_from_bends(planes[0], bends_d, SEGMENTS_D);
+    density_of_cosine(planes[1]);
+    for (int k = 0; k < SEGMENTS_D; k++)
+        planes[2][k] = (planes[0][k] + planes[1][k]) / 2;
+
     struct half_vector small = {.h = t->h < TRIAL_H ? t->h : TRIAL_H,
                                 .d = t->d < TRIAL_D ? t->d : TRIAL_D,
                                 .t = t->t < TRIAL_T ? t->t : TRIAL_T};
+    warp_make(small.warp_h, density_h, SEGMENTS_H, small.h);
+    for (int i = 0; i < CANDIDATES; i++) {
+        warp_make(small.warp_d, planes[i], SEGMENTS_D, small.d);
+        double error = half_vector_fit(&small, row_error, survey, 1);
+        if (error < least) {
+            least = error;
+            memcpy(density_d, planes[i], sizeof planes[i]);
+            memcpy(best_error, row_error, sizeof row_error);
+        }
+    }
     warp_make(small.warp_d, density_d, SEGMENTS_D, small.d);
-    double least = INFINITY;
-    for (int round = 0; round < TRIALS; round++) {
+    for (int i = 0; i < TRIALS; i++) {
+        density_from_errors(trial, small.warp_h, i ? row_error : best_error, small.h - 1);
         warp_make(small.warp_h, trial, SEGMENTS_H, small.h);
         double error = half_vector_fit(&small, row_error, survey, 1);
         if (error < least) {
             least = error;
             memcpy(density_h, trial, sizeof trial);
         }
-        density_from_errors(trial, small.warp_h, row_error, small.h - 1);
     }
     half_vector_free(&small);
 }
