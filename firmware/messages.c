@@ -68,7 +68,8 @@ static void data_serve(struct app *app)
     const struct table_store_upload *u = &app->store.upload;
     uint32_t offset = app->protocol.payload[0];
     uint32_t bytes = app->protocol.request.length - (uint32_t)sizeof(struct usb_data);
-    if (app->frame.active && bytes > app->push_credit)
+    bool rendering = app->frame.active || (app->hal->display_write && app->content.has_scene && !app->frame.refused);
+    if (rendering && bytes > app->push_credit)
         return; /* the tiles to come will allow it */
     app->push_credit -= bytes < app->push_credit ? bytes : app->push_credit;
     if (!u->open) {

@@ -39,12 +39,13 @@ static void scene_make(struct lab *lab, enum lab_content c, int16_t top)
     ref_blob_free(&b);
 }
 
-struct lab *lab_create(bool high_speed)
+struct lab *lab_create(bool high_speed, bool display)
 {
     const struct sim_config config = {.width = LAB_WIDTH,
                                       .height = LAB_HEIGHT,
                                       .format = RASTER_RGB888,
                                       .high_speed = high_speed,
+                                      .display = display,
                                       .slot_count = LAB_SLOTS,
                                       .table_bank_bytes = BANK,
                                       .scene_bank_bytes = BANK};

@@ -34,7 +34,7 @@ struct lab {
 };
 
 /* Ends the program when anything goes wrong that is not the firmware's fault. */
-struct lab *lab_create(bool high_speed);
+struct lab *lab_create(bool high_speed, bool display);
 void lab_destroy(struct lab *lab);
 
 /* The device's flash becomes `image` (NULL: erased), the firmware starts anew and is enumerated. */

@@ -265,8 +265,8 @@ static struct lab *lab_of(const struct packet_faults *p, unsigned scenario)
 struct packet_faults *packet_faults_create(void)
 {
     struct packet_faults *p = calloc(1, sizeof *p);
-    p->labs[0] = lab_create(false);
-    p->labs[1] = lab_create(true);
+    p->labs[0] = lab_create(false, false);
+    p->labs[1] = lab_create(true, false);
     for (unsigned i = 0; i < PACKET_FAULT_SCENARIOS; i++) {
         const struct scenario *s = &scenarios[i];
         struct lab *lab = lab_of(p, i);

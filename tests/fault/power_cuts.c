@@ -93,7 +93,7 @@ static void scenario_prepare(struct power_cuts *p, unsigned scenario)
 struct power_cuts *power_cuts_create(void)
 {
     struct power_cuts *p = calloc(1, sizeof *p);
-    p->lab = lab_create(true);
+    p->lab = lab_create(true, false);
     for (unsigned s = 0; s < POWER_CUT_SCENARIOS; s++)
         scenario_prepare(p, s);
     return p;
