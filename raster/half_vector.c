@@ -14,8 +14,7 @@ static inline struct place place_find(const struct lut_table *table, const struc
 {
     struct place o;
     const uint32_t na2 = (uint32_t)fx_mulhi(p->na, p->na); /* Q28 */
-    uint32_t x = na2 + (uint32_t)fx_mulhi(p->nb, p->nb) + (1u << 12);
-    x = x < (1u << 28) - 1 ? x : (1u << 28) - 1;
+    const uint32_t y = na2 + (uint32_t)fx_mulhi(p->nb, p->nb) + (1u << 12), x = y < (1u << 28) - 1 ? y : (1u << 28) - 1;
     const unsigned zeros = fx_clz(x); /* 4 .. 19 */
     const uint32_t m = x << zeros;
     const uint16_t *w = table->warp_h + 8 * (19 - zeros) + (m >> 28 & 7);
@@ -24,11 +23,9 @@ static inline struct place place_find(const struct lut_table *table, const struc
     o.h = u >> 20;
     o.hf = u << 12;
     /* cos^2 of the azimuth, or ((n.l - n.v)/(n.l + n.v))^2 where that is larger; 10 fraction bits */
-    const int32_t tilt = 2 * (int32_t)ratio - (1 << 15);
-    const uint32_t far = (uint32_t)(tilt * tilt) >> 20;
-    uint32_t t2 = na2 / (x >> 10);
-    t2 = t2 > far ? t2 : far;
-    t2 = (t2 < 1023 ? t2 : 1023) * (table->width - 1);
+    const int32_t tilt = 2 * (int32_t)ratio - 32767;
+    const uint32_t near = na2 / (y >> 10), far = (uint32_t)(tilt * tilt) >> 20; /* both at most 1023 */
+    const uint32_t t2 = (near > far ? near : far) * (table->width - 1);
     o.t = t2 >> 10;
     o.ft = t2 >> 2 & 255;
     o.d = p->term >> TERM_D_BITS;

@@ -3,11 +3,12 @@
  *
  *   both = n.l + n.v                                               Q30, at most 2^31 + 2^19
  *   na2 = (n.a)^2, s2 = na2 + (n.b)^2                              Q28, each square rounded down
- *   x = min(s2 + 2^12, 2^28 - 1)                                   Q28
+ *   y = s2 + 2^12, x = min(y, 2^28 - 1)                            Q28
  *   u = the h axis' warp at x, between nodes with 11 fraction bits  20 fraction bits: row h, then the fraction hf of 2^32
  *   ratio = n.l / both                                             Q15, below 2^15
- *   far = (2 ratio - 1)^2, which is (n.a)^2 |l-v|^2 / both^2        Q30 >> 20: no further division
- *   t2 = min(max(na2/(x >> 10), far), 1023), times T-1              10 fraction bits: node t, then ft of 256
+ *   far = (2 ratio - 1)^2, which is (n.a)^2 |l-v|^2 / both^2        (2 ratio - 32767)^2 >> 20: at most 1023
+ *   t2 = max(na2/(y >> 10), far), times T-1                        10 fraction bits: node t, then ft of 256; the quotient
+ *                                                                  is at most 1023, too: na2 <= s2
  *   d from the term's plane                                        16 fraction bits: plane d, then fd of 64
  *   A = sum of row h's texels (t, d), (t+1, d), (t, d+1), (t+1, d+1) times (256-ft)(64-fd), ft (64-fd), (256-ft) fd, ft fd
  *   B = row h+1's                                                  15 bits by 2^14: below 2^29
@@ -28,10 +29,20 @@ typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint
                                     const struct raster_block_light *light);
 raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
 raster_half_vector raster_half_vector_packed; /* table->slabs != NULL */
+raster_half_vector raster_half_vector_dsp;    /* the same where HALF_VECTOR_DSP; half_vector_dsp.c */
+
+#if defined(__ARM_FEATURE_DSP) && defined(__ARM_FEATURE_UNALIGNED) && __ARM_ARCH_PROFILE == 'M' &&                     \
+    !defined(__ARM_BIG_ENDIAN)
+#define HALF_VECTOR_DSP
+#endif
 
 /* What is used for tables with and without a re-packed copy. */
+#ifdef HALF_VECTOR_DSP
+#define HALF_VECTOR_PACKED raster_half_vector_dsp
+#else
 #define HALF_VECTOR_PACKED raster_half_vector_packed
-#define HALF_VECTOR_PLAIN  raster_half_vector_plain
+#endif
+#define HALF_VECTOR_PLAIN raster_half_vector_plain
 
 /* One light and table: what does not change from pixel to pixel. */
 struct half_vector_constants {
