@@ -70,7 +70,8 @@ static inline uint32_t ray_length(uint32_t w, uint32_t start, uint32_t slope)
 static inline uint32_t lobe(uint32_t num, uint32_t den, uint32_t squarings)
 {
     unsigned z = fx_clz(den);
-    uint32_t p = (num << 3 << z) / (den << z >> 16) << 17;
+    uint32_t q = (num << 3 << z) / (den << z >> 16), p;
+    p = (num < den >> 4 && q < 32767 ? q : 32767) << 17; /* for l near -v, h has few bits: no more than 1 */
     switch (squarings) {
     case 5:
         p = narrow(fx_mulhi_u(p, p)); /* fall through */
@@ -113,9 +114,10 @@ __attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, c
         uint32_t s0 = 0, s1 = 0, s2 = 0;                                       /* in the lobes, 22 */
         for (const struct run_light *l = run->light; l != run->lights_end; l++) {
             int32_t nl = fx_dot(n, l->l);
-            uint32_t x = (uint32_t)fx_max(fx_mulhi(nl, p) + nr, 0);              /* p n.l + n.r, 2^13: < 2^29.8 */
-            uint32_t num = fx_mulhi_u(x, x);                                     /* its square / 2^6 */
-            uint32_t den = fx_mulhi_u(p2, (uint32_t)(p + l->row - l->l.x * rx)); /* p (p + l.r) / 2 / SHRINK */
+            uint32_t x = (uint32_t)fx_max(fx_mulhi(nl, p) + nr, 0); /* p n.l + n.r, 2^13: < 2^29.8 */
+            uint32_t num = fx_mulhi_u(x, x);                        /* its square / 2^6 */
+            uint32_t den =
+                fx_mulhi_u(p2, (uint32_t)p + (uint32_t)l->row - (uint32_t)(l->l.x * rx)); /* p (p + l.r) / 2 / SHRINK */
             int32_t lambert = fx_max(nl, 0);
             d0 += (uint32_t)fx_mulhi(lambert, l->e[0]);
             if (coloured) {

@@ -58,7 +58,8 @@ uint32_t raster_shade_metallic_roughness(struct raster_batch *b, uint32_t first,
         if (!raster_walk_pixel(&p, &walk, b, light, i, false))
             continue;
         lit++;
-        const uint32_t nl = (uint32_t)fx_min(p.nl, (1 << 30) - 1), nv = (uint32_t)b->pixel[i].nv;
+        /* below 1, so that n.l + n.v stays above 2 n.l n.v */
+        const uint32_t nl = (uint32_t)fx_min(p.nl, (1 << 30) - 1), nv = (uint32_t)fx_min(b->pixel[i].nv, (1 << 30) - 1);
         uint32_t s2 = (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb)); /* Q28, <= 2^28.01 */
         uint32_t q = m.a2 + fx_mulhi_u(s2, m.a2_rest) + 1;                     /* Q28, >= 2^8 */
         uint32_t both = fx_mulhi_u(nl << 1, nv << 1) << 1;                     /* 2 n.l n.v, Q30 */
