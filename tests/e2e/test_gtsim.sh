@@ -85,7 +85,7 @@ expect program_that_is_not_there 3 '' 'gtsim: run: .*nonesuch.*; is it on the PA
 expect stdin_reaches_the_program 0 'hello' '' bash -c 'echo hello | gtsim run -- cat'
 expect only_the_simulated_bus_is_seen 0 $'1-1\n1-2\nusb1' '' gtsim run --devices 2 -- ls /sys/bus/usb/devices
 expect no_device_no_node 0 'usb1' '' gtsim run --devices 0 -- ls /sys/bus/usb/devices
-expect descriptors_are_the_firmwares 0 '120100020000004009120100.*09022000.*' '' \
+expect descriptors_are_the_firmwares 0 '120101020000004009120100.*09022000.*' '' \
     gtsim run -- sh -c 'od -An -v -tx1 /sys/bus/usb/devices/1-1/descriptors | tr -d " \n"'
 check full_speed_is_seen_in_sysfs bash -c '[ "$(gtsim run --full-speed -- cat /sys/bus/usb/devices/1-1/speed)" = 12 ]'
 termination() { # SIGTERM to gtsim ends the program first
