@@ -3,165 +3,9 @@
  * double precision, from the same stored normals, the same light and each pixel's own view ray. Errors are in steps of the 8-bit
  * picture: the irradiance is pi, no tone curve, sRGB.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tile_fixture.h"
 
-#include "internal.h"
-#include "ref_blob.h"
-#include "ref_render.h"
-
-enum { TILES = 12, PIXELS = RASTER_TILE_WIDTH * RASTER_TILE_HEIGHT };
-static const uint32_t pi_16 = 205887;
-
-static uint64_t seed = 1;
-
-static uint32_t random32(void)
-{
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    uint32_t x = (uint32_t)(seed >> 33);
-    return x * 2654435761u ^ x >> 15;
-}
-
-static double uniform(double low, double high)
-{
-    return low + (high - low) * random32() * 0x1p-32;
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalise(double v[3])
-{
-    double length = sqrt(dot(v, v));
-    for (int i = 0; i < 3; i++)
-        v[i] /= length;
-}
-
-static void random_direction(double v[3])
-{
-    double z = uniform(-1, 1), a = uniform(0, 6.283185307179586), r = sqrt(1 - z * z);
-    v[0] = r * cos(a), v[1] = r * sin(a), v[2] = z;
-}
-
-/* Nearest q17_15_t components, no larger than 32767 as in a batch, of a direction of unit length. */
-static struct vec3 quantise(const double v[3])
-{
-    int32_t q[3];
-    for (int i = 0; i < 3; i++)
-        q[i] = fx_clamp((int32_t)lrint(v[i] * 32768), -32767, 32767);
-    return (struct vec3){q[0], q[1], q[2]};
-}
-
-static void direction_of(double out[3], struct vec3 v)
-{
-    out[0] = v.x, out[1] = v.y, out[2] = v.z;
-    normalise(out);
-}
-
-static struct {
-    struct raster r;
-    struct raster_tile tile;
-    struct scene scene; /* one object that does not show */
-    void *blob;
-    struct scene_light light;
-    struct scene_material material;
-    const struct lut_table *tables[RASTER_MAX_SLOTS];
-    struct scene_camera camera;
-    uint64_t arena[1 << 16];
-} k;
-
-static int make_scene(void **state)
-{
-    struct ref_blob b;
-    size_t bytes;
-    (void)state;
-    ref_blob_init(&b);
-    ref_blob_light(&b, (const double[3]){0, 0, 1}, 3);
-    ref_blob_material(&b, 1, 0, 0.5, "grey");
-    const int16_t v[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    const uint16_t t[1][3] = {{0, 1, 2}};
-    ref_blob_object(&b, ref_blob_mesh(&b, v, t, 1), 0, (const double[3]){0, 0, 9}, 1);
-    k.blob = ref_blob_finish(&b, &bytes);
-    ref_blob_free(&b);
-    return scene_open(&k.scene, k.blob, bytes) != SCENE_OK;
-}
-
-static int free_scene(void **state)
-{
-    (void)state;
-    free(k.blob);
-    return 0;
-}
-
-struct subject {
-    struct scene_material material;
-    struct ref_material model;
-    struct lut_table lut;
-    struct ref_table *ref; /* NULL: the model */
-    void *file;
-};
-
-/* A frame of the subject's material under one light; a vertical field of view of 45 degrees. */
-static void frame_begin(const struct subject *s, unsigned width, unsigned height, struct vec3 light,
-                        uint32_t irradiance)
-{
-    k.material = s->material;
-    k.tables[0] = s->ref ? &s->lut : NULL;
-    k.camera = k.scene.header->camera;
-    k.camera.focal = 158217;
-    k.light = (struct scene_light){.kind = SCENE_LIGHT_DIRECTIONAL,
-                                   .direction = {light.x * 32768, light.y * 32768, light.z * 32768},
-                                   .irradiance = {irradiance, irradiance, irradiance}};
-    struct raster_frame f = {.scene = &k.scene,
-                             .camera = &k.camera,
-                             .output = &k.scene.header->output,
-                             .lights = &k.light,
-                             .materials = &k.material,
-                             .tables = k.tables,
-                             .width = (uint16_t)width,
-                             .height = (uint16_t)height,
-                             .light_count = 1,
-                             .format = RASTER_RGB888};
-    assert_int_equal(raster_begin(&k.r, &f, k.arena, sizeof k.arena), RASTER_OK);
-    memset(&k.tile, 0, sizeof k.tile);
-    k.tile.slots[1] = (struct raster_slot){{1 << 14, 0, 0, 0, 1 << 14, 0, 0, 0, 1 << 14}, 0, 0};
-    k.tile.slot_count = 1;
-}
-
-static void view_of(double v[3], unsigned x, unsigned y)
-{
-    double scale = k.r.frame.height * (k.camera.focal / 65536.0);
-    v[0] = -(2.0 * x + 1 - k.r.frame.width) / scale, v[1] = (2.0 * y + 1 - k.r.frame.height) / scale, v[2] = 1;
-    normalise(v);
-}
-
-static void reference(double radiance[3], const struct subject *s, const double n[3], const double l[3],
-                      const double v[3])
-{
-    double f[3];
-    if (s->ref)
-        ref_table_eval(f, s->ref, n, l, v);
-    else if (s->model.kind == REF_BLINN_PHONG)
-        ref_blinn_phong(f, &s->model, n, l, v);
-    else
-        ref_model_value(f, &s->model, n, l, v);
-    const double pi = 3.14159265358979323846, kind = s->model.kind;
-    double scale = pi_16 / 65536.0, ambient = 0;
-    scale *= kind == REF_BLINN_PHONG ? 1 / pi : fmax(dot(n, l), 0);
-    if (!s->ref)
-        ambient = kind == REF_BLINN_PHONG ? 0.02 : kind == REF_METALLIC_ROUGHNESS ? 0.05 : 0;
-    for (int c = 0; c < 3; c++)
-        radiance[c] = f[c] * scale + ambient * s->model.kd[c];
-}
+enum { TILES = 12 };
 
 enum normals {
     NORMALS_SPHERE,    /* as often as a sphere shows them */
@@ -169,12 +13,10 @@ enum normals {
     NORMALS_GRAZING    /* n.v = 0.05 and around it */
 };
 
-/* As a surface in slot 1 stores it, and then exactly what is stored. */
 static struct raster_surface random_surface(double n[3], const double l[3], const double v[3], enum normals kind)
 {
-    const int32_t d = 16383;
     for (;;) {
-        double spread = exp(uniform(-9, 0)), square;
+        double spread = exp(uniform(-9, 0));
         random_direction(n);
         if (kind == NORMALS_SPHERE) { /* uniform over the disk that it shows */
             double height = dot(n, v), rest = sqrt(1 - height * height), radius = sqrt(uniform(0, 1));
@@ -187,12 +29,9 @@ static struct raster_surface random_surface(double n[3], const double l[3], cons
         normalise(n);
         if (n[2] < -0.5)
             continue;
-        int32_t u = (int32_t)lrint(d * n[0] / (1 + n[2])), w = (int32_t)lrint(d * n[1] / (1 + n[2]));
-        square = (double)u * u + (double)w * w + (double)d * d;
-        n[0] = 2.0 * u * d / square, n[1] = 2.0 * w * d / square, n[2] = 2.0 * d * d / square - 1;
+        struct raster_surface s = store_normal(n);
         if (dot(n, v) >= 1.0 / 120)
-            return (struct raster_surface){((uint32_t)d + DEPTH_BIAS) << 8 | 1,
-                                           (uint32_t)(u & 0xffff) | (uint32_t)w << 16};
+            return s;
     }
 }
 
@@ -230,6 +69,7 @@ static void check_normals(const char *name, const struct subject *s, enum normal
 {
     static const unsigned size[3][2] = {{320, 240}, {1280, 720}, {3840, 2160}};
     static double e[TILES * PIXELS];
+    seed = 1;
     for (unsigned i = 0; i < TILES; i++) {
         double l[3];
         random_direction(l);
@@ -252,11 +92,12 @@ static void check_normals(const char *name, const struct subject *s, enum normal
 struct limits {
     double within, most; /* percent of pixels within a step, steps */
 };
-static const struct limits sphere = {99.9, 8}, highlight = {97, 26}, grazing = {99.5, 26};
+/* What five other seeds left room for; most of them have 99.9 % within a step and at most 4. */
+static const struct limits sphere = {99.8, 12}, highlight = {95, 35}, grazing = {99.5, 10};
 /* Beside the horizon g = f (n.l + n.v) falls to nothing within a row, of which fractions have eight bits: dark pixels. */
-static const struct limits half_sphere = {99.5, 16}, half_highlight = {99, 26}, half_grazing = {80, 45};
+static const struct limits half_sphere = {99, 30}, half_highlight = {99.5, 20}, half_grazing = {92, 45};
 /* (n.h)^1 ends in a kink at the horizon that the table of powers rounds off. */
-static const struct limits kink_sphere = {93, 75}, kink_grazing = {78, 75};
+static const struct limits kink_sphere = {93, 75}, kink_highlight = {99, 75}, kink_grazing = {80, 75};
 
 /* Frees the subject. */
 static void check_limits(const char *name, struct subject s, struct limits a, struct limits b, struct limits c)
@@ -267,8 +108,7 @@ static void check_limits(const char *name, struct subject s, struct limits a, st
     check_normals(text, &s, NORMALS_HIGHLIGHT, b.within, b.most);
     snprintf(text, sizeof text, "%s, grazing", name);
     check_normals(text, &s, NORMALS_GRAZING, c.within, c.most);
-    free(s.file);
-    ref_table_free(s.ref);
+    subject_free(&s);
 }
 
 static void check(const char *name, struct subject s)
@@ -308,15 +148,6 @@ static struct subject metallic_subject(double roughness, double metalness)
     s.material.metalness = fixed16(metalness);
     s.model.roughness = s.material.roughness / 65536.0;
     s.model.metalness = s.material.metalness / 65536.0;
-    return s;
-}
-
-static struct subject table_subject(void *file, size_t bytes)
-{
-    struct subject s = {.material = {.kind = SCENE_MATERIAL_MEASURED}, .file = file};
-    assert_int_equal(lut_open(&s.lut, file, bytes), LUT_OK);
-    s.ref = ref_table_open(file, bytes);
-    assert_non_null(s.ref);
     return s;
 }
 
@@ -384,9 +215,9 @@ static void exponents_of_one_agree_but_at_the_kink(void **state)
     (void)state;
     check_limits("Lafortune-Phong, exponent 1",
                  model_subject(SCENE_MATERIAL_LAFORTUNE_PHONG, REF_LAFORTUNE_PHONG, 0.7, 0.9, 1), kink_sphere,
-                 highlight, kink_grazing);
+                 kink_highlight, kink_grazing);
     check_limits("Blinn-Phong, exponent 1", model_subject(SCENE_MATERIAL_BLINN_PHONG, REF_BLINN_PHONG, 0.2, 0.8, 1),
-                 kink_sphere, highlight, kink_grazing);
+                 kink_sphere, kink_highlight, kink_grazing);
 }
 
 static void metallic_roughness_agrees(void **state)
@@ -444,8 +275,7 @@ static void slabs_change_no_bit(void **state)
         }
     }
     for (int j = 0; j < 2; j++) {
-        free(s[j].file);
-        ref_table_free(s[j].ref);
+        subject_free(&s[j]);
     }
 }
 
@@ -465,15 +295,13 @@ static void radiance_saturates(void **state)
         double v[3];
         view_of(v, 160, 112);
         frame_begin(&s[i], 320, 240, quantise(v), UINT32_MAX);
-        int32_t d = 16383, u = (int32_t)lrint(d * v[0] / (1 + v[2])), w = (int32_t)lrint(d * v[1] / (1 + v[2]));
+        struct raster_surface facing = store_normal(v);
         for (unsigned j = 0; j < PIXELS; j++)
-            k.tile.surface[j] = (struct raster_surface){((uint32_t)d + DEPTH_BIAS) << 8 | 1,
-                                                        (uint32_t)(u & 0xffff) | (uint32_t)w << 16};
+            k.tile.surface[j] = facing;
         raster_shade_tile(&k.r, &k.tile, &rect, &stats);
         for (unsigned j = 0; j < PIXELS; j++)
             assert_int_equal(raster_tile_pixels(&k.tile)[3 * j], 255);
-        free(s[i].file);
-        ref_table_free(s[i].ref);
+        subject_free(&s[i]);
     }
 }
 
