@@ -6,38 +6,30 @@
 
 #ifdef HALF_VECTOR_DSP
 
-/* What the loop has at sp: passed by value behind four words in registers, so that it lies there, and is the loop's own. */
-struct frame {
-    /* 0 */ uint32_t a_dx, z_dx, b_dx;
-    /* 12 */ uint32_t a_row, z_row, b_row, term_row; /* the planes at x = 0 of the row whose y is in r2 */
-    /* 28 */ uint32_t term_dx;
-    /* 32 */ uint32_t l_xy;
-    int32_t l_z;
-    /* 40 */ uintptr_t warp; /* where a node of index 0 would be: clz gives 19 for the first */
-    uint32_t half;           /* 1/2 of the ratio, 22 fraction bits */
-    /* 48 */ uint32_t width; /* (T-1) << 6 | bytes of a node << 16 */
-    uint32_t height;         /* H-1 | bytes of a row << 16 */
-    /* 56 */ const uint32_t *slabs;
+/* One light and table: what the loop copies to its own stack. */
+struct constants {
+    uintptr_t warp;  /* where a node of index 0 would be: clz gives 19 for the first */
+    uint32_t half;   /* 1/2 of the ratio, 22 fraction bits */
+    uint32_t width;  /* (T-1) << 6 | bytes of a node << 16 */
+    uint32_t height; /* H-1 | bytes of a row << 16 */
+    const uint32_t *slabs;
     int32_t top;
-    /* 64 */ uint32_t colour[3];
-    /* 76 */ const struct raster_batch_pixel *end;
-    uint32_t dark; /* pixels that the light does not reach */
-    /* 84 */ uint32_t a_base, z_base, a_dy, z_dy;
-    /* 100 */ uint32_t b_base, term_base, b_dy, term_dy;
-    /* 116 */ uint32_t *saved;
+    uint32_t colour[3];
+    const struct raster_batch_pixel *end;
 };
-_Static_assert(offsetof(struct frame, term_dx) == 28 && offsetof(struct frame, warp) == 40 &&
-                   offsetof(struct frame, slabs) == 56 && offsetof(struct frame, end) == 76 &&
-                   offsetof(struct frame, a_base) == 84 && offsetof(struct frame, saved) == 116,
+_Static_assert(sizeof(struct constants) == 40 && offsetof(struct raster_block_light, l_z) == 52 && PLANE_B_XY == 1 &&
+                   PLANE_AB_Z == 2 && PLANE_TERM == 3,
                "the loop's offsets");
 
 /*
- * Out: in the low word frame.end, or the first pixel whose cell is brighter than the scale's top; in the high word frame.dark.
- * In: y of the frame's rows; room for r4 .. r11, lr; H <= 64, so that coordinates of the warp are positive as 16-bit numbers. A
- * step of the warp is loaded as one unaligned word.
+ * Out: in the low word the end, or the first pixel whose cell is brighter than the scale's top; in the high word how many before it
+ * the light does not reach. In: H <= 64, so that the warp's coordinates are positive as 16-bit numbers. A step of the warp is
+ * loaded as one unaligned word.
+ * At sp: 0 a.dx, z.dx, b.dx; 12 a, z, b, term at x = 0 of the row r2; 28 term.dx; 32 l.xy, l.z; 40 struct constants; 80 unlit pixels;
+ * 84 a.base, z.base, a.dy, z.dy; 100 b.base, term.base, b.dy, term.dy.
  */
-uint64_t raster_half_vector_dsp_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance, uint32_t y,
-                                     uint32_t saved[9], struct frame frame);
+uint64_t raster_half_vector_dsp_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
+                                     const struct raster_block_light *light, const struct constants *k);
 __asm__("    .syntax unified\n"
         "    .section .text.raster_half_vector_dsp_loop, \"ax\", %progbits\n"
         "    .global raster_half_vector_dsp_loop\n"
@@ -45,8 +37,24 @@ __asm__("    .syntax unified\n"
         "    .thumb_func\n"
         "    .p2align 3\n"
         "raster_half_vector_dsp_loop:\n"
-        "    stm     r3, {r4-r11, lr}\n"
-        "    str     r3, [sp, #116]\n"
+        "    push    {r4-r11, lr}\n"
+        "    sub     sp, sp, #116\n"
+        "    add     lr, sp, #40\n"
+        "    ldm     r3, {r3-r12}\n"
+        "    stm     lr, {r3-r12}\n"
+        "    movs    r3, #0\n"
+        "    ldm     r2!, {r4-r12}\n" /* base, dx, dy of a, b, z */
+        "    str     r5, [sp]\n"
+        "    strd    r11, r8, [sp, #4]\n"
+        "    strd    r3, r4, [sp, #80]\n"
+        "    strd    r10, r6, [sp, #88]\n"
+        "    strd    r12, r7, [sp, #96]\n"
+        "    ldm     r2, {r4-r6, r10, r11}\n" /* the term's, l */
+        "    strd    r4, r9, [sp, #104]\n"
+        "    str     r6, [sp, #112]\n"
+        "    str     r5, [sp, #28]\n"
+        "    strd    r10, r11, [sp, #32]\n"
+        "    mvn     r2, #0\n"
         "1:  ldm     r0!, {r3-r6}\n" /* r3 = n.xy, r4 = n.z, r5 = n.v, r6 = at */
         "    ldrd    r7, r8, [sp, #32]\n"
         "    smuad   r7, r3, r7\n"
@@ -181,8 +189,8 @@ __asm__("    .syntax unified\n"
         "    b       7f\n"
         "6:  sub     r0, r0, #16\n"
         "7:  ldr     r1, [sp, #80]\n"
-        "    ldr     r12, [sp, #116]\n"
-        "    ldm     r12, {r4-r11, pc}\n"
+        "    add     sp, sp, #116\n"
+        "    pop     {r4-r11, pc}\n"
         "    .size   raster_half_vector_dsp_loop, . - raster_half_vector_dsp_loop\n"
         "    .text\n");
 
@@ -192,33 +200,17 @@ uint32_t raster_half_vector_dsp(struct raster_batch *b, uint32_t first, uint32_t
     if (table->height > 64)
         return raster_half_vector_packed(b, first, end, table, light);
     const struct half_vector_constants c = half_vector_constants_find(table, light);
-    const struct raster_plane *a = &light->plane[PLANE_A_XY], *p = &light->plane[PLANE_B_XY],
-                              *z = &light->plane[PLANE_AB_Z], *term = &light->plane[PLANE_TERM];
-    const struct frame frame = {.a_dx = a->dx,
-                                .z_dx = z->dx,
-                                .b_dx = p->dx,
-                                .term_dx = term->dx,
-                                .l_xy = light->l_xy,
-                                .l_z = light->l_z,
-                                .warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
+    const struct constants k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
                                 .half = (1u << 21) - 64,
                                 .width = (table->width - 1) << 6 | 12 << 16,
                                 .height = (table->height - 1) | 12 * table->width << 16,
                                 .slabs = table->slabs,
                                 .top = c.top,
                                 .colour = {c.colour[0], c.colour[1], c.colour[2]},
-                                .end = &b->pixel[end],
-                                .a_base = a->base,
-                                .z_base = z->base,
-                                .a_dy = a->dy,
-                                .z_dy = z->dy,
-                                .b_base = p->base,
-                                .term_base = term->base,
-                                .b_dy = p->dy,
-                                .term_dy = term->dy};
-    uint32_t lit = end - first, saved[9];
+                                .end = &b->pixel[end]};
+    uint32_t lit = end - first;
     for (uint32_t i = first; i < end; i++) {
-        const uint64_t out = raster_half_vector_dsp_loop(&b->pixel[i], b->radiance[i], UINT32_MAX, saved, frame);
+        const uint64_t out = raster_half_vector_dsp_loop(&b->pixel[i], b->radiance[i], light, &k);
         const struct raster_batch_pixel *bright = (const struct raster_batch_pixel *)(uintptr_t)(uint32_t)out;
         lit -= (uint32_t)(out >> 32);
         i = (uint32_t)(bright - b->pixel);
