@@ -43,7 +43,7 @@ static const char *const quantity_texts[] = {
     [CHECK_BRDF] = "BRDF",
     [CHECK_TIMES_COSINE] = "BRDF times cos(theta_out): divide by the cosine once",
     [CHECK_OVER_COSINE] = "BRDF divided by cos(theta_out): the division was done once too often",
-    [CHECK_UNCLEAR] = "unclear: reciprocity and the trend towards grazing angles disagree or are not covered"};
+    [CHECK_UNCLEAR] = "unclear: neither reciprocity nor the trend towards grazing angles tells"};
 static const char *const quantity_names[] = {"brdf", "times_cosine", "over_cosine", "unclear"};
 
 /* Above 1, what the sum over one-degree cells of a lobe as narrow as those may overstate. */

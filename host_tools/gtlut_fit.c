@@ -34,6 +34,8 @@ static const char help[] =
 static void print_material(const char *key, const struct fit *fit, const char *source)
 {
     static const char *const names[FIT_MODELS] = {"lafortune_phong", "blinn_phong", "metallic_roughness"};
+    const char *colon = strrchr(source, ':'); /* FILE.csv:NAME */
+    source = colon ? colon + 1 : source;
     const char *dot = strrchr(source, '.');
     size_t length = dot && dot > source ? (size_t)(dot - source) : strlen(source);
     json_open(key, '{');

@@ -92,18 +92,13 @@ int gtlut_import(int argc, char **argv)
     bool geometry_given = o.geometry != NULL;
     o.geometry = geometry_given ? o.geometry : measurement_geometry_find("minidiff");
 
-    size_t bytes;
-    uint8_t *data = read_file(input, (size_t)1 << 30, &bytes);
-    const struct import_format *format = import_format_of(data, bytes);
-    if (measurement_recognise(data, bytes) && !fill)
+    struct measurement m;
+    o.raw = fill;
+    const struct import_format *format = import_read(&m, input, &o);
+    if (!strcmp(format->name, "gtm") && !fill)
         die(EXIT_BAD_INPUT, "%s: already a measurement file; give it to gtlut build", input);
     if (format_name && strcmp(format_name, format->name))
         die(EXIT_BAD_INPUT, "%s: is %s, not %s; leave --format out", input, format->name, format_name);
-
-    struct measurement m;
-    o.raw = fill;
-    import_load(&m, format, input, data, bytes, &o);
-    free(data);
     if (fill)
         check_fill_blind_spot(&m, input);
     if (!geometry_given && !strcmp(format->name, "csv")) { /* one's own export: rather say where its grid breaks */

@@ -238,37 +238,56 @@ static void find_blind_spot(struct check *c, struct check_slice *s)
     free(bad);
 }
 
+/* How a sample stands to its neighbours. */
+struct standing {
+    double off, median, spread; /* of luminance: distance from the median of the neighbours */
+    bool extreme;               /* above or below all of them */
+};
+
+/* False where nothing can be said. */
+static bool stand(struct standing *out, const struct check_slice *s, size_t cell, double mirror_radius)
+{
+    double theta = s->theta_out[cell / s->phi_count], phi = s->phi_out[cell % s->phi_count], v[8];
+    size_t around[8], n = 0, count = neighbours(around, s, cell);
+    /* A lobe narrower than the grid is no outlier, nor is its foot. */
+    if (s->state[cell] != CHECK_GOOD || theta < 1e-6 || check_distance(s->theta_in, theta, phi, true) < mirror_radius)
+        return false;
+    for (size_t k = 0; k < count; k++)
+        if (check_usable(s->state[around[k]]))
+            v[n++] = check_luminance(s->rgb[around[k]]);
+    if (n < 5)
+        return false;
+    double x = check_luminance(s->rgb[cell]), median = check_median(v, n);
+    /* The neighbours' own extremes may be outliers, too: one on each side is left out. At the edge, where all of them lie to one side,
+     * their whole range counts. */
+    double spread = n == 8 ? fmax(v[6] - median, median - v[1]) : v[n - 1] - v[0];
+    *out = (struct standing){fabs(x - median), fabs(median), spread, x < v[0] || x > v[n - 1]};
+    return true;
+}
+
 static void find_outliers(struct check *c, struct check_slice *s)
 {
-    size_t cells = s->theta_count * s->phi_count, around[8];
-    double step =
-        s->theta_count > 1 ? (s->theta_out[s->theta_count - 1] - s->theta_out[0]) / (double)(s->theta_count - 1) : 90;
+    size_t cells = s->theta_count * s->phi_count, used = 0;
+    double rows = (double)s->theta_count - 1, span = s->theta_out[s->theta_count - 1] - s->theta_out[0];
+    double mirror_radius = fmax(5, rows > 0 ? 3 * span / rows : 90);
+    double *relative = xmalloc(cells * sizeof *relative);
     uint8_t *state = xmalloc(cells); /* judged by the neighbours as they are, in any order */
     memcpy(state, s->state, cells);
-    for (size_t i = 0; i < cells; i++) {
-        double theta = s->theta_out[i / s->phi_count], phi = s->phi_out[i % s->phi_count], v[8], spread = 0;
-        size_t n = 0, count = neighbours(around, s, i);
-        /* A lobe narrower than the grid is no outlier, nor is its foot. */
-        if (s->state[i] != CHECK_GOOD || theta < 1e-6 ||
-            check_distance(s->theta_in, theta, phi, true) < fmax(5, 3 * step))
-            continue;
-        for (size_t k = 0; k < count; k++)
-            if (check_usable(s->state[around[k]]))
-                v[n++] = check_luminance(s->rgb[around[k]]);
-        if (n < 5)
-            continue;
-        double median = check_median(v, n), off = fabs(check_luminance(s->rgb[i]) - median);
-        /* The neighbours' own extremes may be outliers, too: one on each side is left out. At the edge, where all of them lie to one
-         * side, their whole range counts. */
-        spread = n == 8 ? fmax(v[6] - median, median - v[1]) : v[n - 1] - v[0];
-        double x = check_luminance(s->rgb[i]);
-        if (off > 3 * spread + 0.1 * fabs(median) && off > 1e-6 && (x < v[0] || x > v[n - 1])) {
+    struct standing x;
+    for (size_t i = 0; i < cells; i++)
+        if (stand(&x, s, i, mirror_radius) && x.median > 0)
+            relative[used++] = x.off / x.median;
+    /* The slice's own noise; 0.6745 sigma is the median of a normal deviate. */
+    double noise = used ? 6 * check_median(relative, used) / 0.6745 : 0;
+    for (size_t i = 0; i < cells; i++)
+        if (stand(&x, s, i, mirror_radius) && x.extreme && x.off > 3 * x.spread + fmax(0.1, noise) * x.median &&
+            x.off > 1e-6) {
             state[i] = CHECK_OUTLIER;
             c->outliers++;
         }
-    }
     memcpy(s->state, state, cells);
     free(state);
+    free(relative);
 }
 
 void check_make(struct check *out, const struct measurement *m, const struct measurement_geometry *g)

@@ -17,7 +17,7 @@ enum check_state {
     CHECK_MISSING,
     CHECK_NOT_FINITE,
     CHECK_BLIND,  /* in the spot around the light: missing, not finite or below 5 % of what is around it */
-    CHECK_OUTLIER /* beyond its neighbours by far: three times their spread and a tenth of their median from it */
+    CHECK_OUTLIER /* beyond its neighbours by far: three times their spread and the slice's noise from their median */
 };
 
 /* One angle of incidence: all combinations of its theta_out and phi_out, present or not. Angles in degrees, ascending. */

@@ -153,12 +153,8 @@ static enum check_quantity quantity_of(const struct check *c)
     double e = c->reciprocal_pairs >= PAIRS_ENOUGH ? c->exponent : NAN, t = c->trend;
     if (isnan(e)) /* the trend alone: real BRDFs seldom leave -0.8..0.7 */
         return isnan(t) ? CHECK_UNCLEAR : t > 0.7 ? CHECK_TIMES_COSINE : t < -0.8 ? CHECK_OVER_COSINE : CHECK_BRDF;
-    /* Reciprocity decides when both its median and its error agree, and the trend does not point the other way. */
-    if (e > 0.5 && c->reciprocity[1] < c->reciprocity[0])
-        return t < -0.5 ? CHECK_UNCLEAR : CHECK_TIMES_COSINE;
-    if (e < -0.5 && c->reciprocity[2] < c->reciprocity[0])
-        return t > 0.5 ? CHECK_UNCLEAR : CHECK_OVER_COSINE;
-    return fabs(e) <= 0.5 ? CHECK_BRDF : CHECK_UNCLEAR;
+    /* A median of ratios: neither lobes, which dominate the error, nor a trend of the material's own move it much. */
+    return fabs(e) <= 0.5 ? CHECK_BRDF : fabs(e) > 1.5 ? CHECK_UNCLEAR : e > 0 ? CHECK_TIMES_COSINE : CHECK_OVER_COSINE;
 }
 
 void check_physics(struct check *c)

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common.h"
 #include "host_half_vector.h"
@@ -95,4 +96,19 @@ void table_file_load(struct measurement *out, const char *path, uint8_t *data, s
         specular_frame_source(&source, &t, "table");
         measurement_sample(out, o->geometry, source_value, &source, t.depth > 1 ? t.theta_max : 90);
     }
+}
+
+bool fit_name_recognise(const char *path)
+{
+    const char *colon = strrchr(path, ':');
+    return colon && colon - path > 4 && !memcmp(colon - 4, ".csv", 4) && access(path, F_OK);
+}
+
+void fit_name_load(struct measurement *out, const char *path, const struct import_options *o)
+{
+    struct brdf_source source;
+    source_open(&source, path);
+    measurement_init(out, source.name);
+    measurement_sample(out, o->geometry, source_value, &source, 90);
+    source_close(&source);
 }

@@ -30,6 +30,14 @@ static void rgl_load(struct measurement *out, const char *path, uint8_t *data, s
     rgl_close(r);
 }
 
+/* Not told by content: see import_read. */
+static bool never(const uint8_t *data, size_t bytes)
+{
+    (void)data;
+    (void)bytes;
+    return false;
+}
+
 static bool csv_recognise(const uint8_t *data, size_t bytes)
 {
     (void)data;
@@ -55,6 +63,7 @@ const struct import_format import_formats[] = {
     {"zemax", ".bsdf", "Zemax OpticStudio tabular BSDF, monochrome or XYZ", false, zemax_recognise, zemax_load},
     {"cornell", ".brdf .txt", "Cornell University gonioreflectometer, spectral", false, cornell_recognise,
      cornell_load},
+    {"sgd", ".csv:NAME", "one material of a table of shifted-gamma fits", true, never, NULL},
     {"csv", ".csv", "theta_in,theta_out,phi_out,R,G,B in any order, degrees", false, csv_recognise, csv_load},
 };
 const size_t import_format_count = sizeof import_formats / sizeof *import_formats;
@@ -108,6 +117,10 @@ void import_load(struct measurement *out, const struct import_format *format, co
 
 const struct import_format *import_read(struct measurement *out, const char *path, const struct import_options *options)
 {
+    if (fit_name_recognise(path)) {
+        fit_name_load(out, path, options);
+        return import_format_find("sgd");
+    }
     size_t bytes;
     uint8_t *data = read_file(path, MAX_FILE_BYTES, &bytes);
     const struct import_format *format = import_format_of(data, bytes);

@@ -39,7 +39,7 @@ const struct import_format *import_format_find(const char *name);
 /* By content, never NULL. */
 const struct import_format *import_format_of(const uint8_t *data, size_t bytes);
 
-/* Reads a file of any of the formats. Unless options->raw, negative values become 0, counted in a warning, and a value that is not
+/* Reads a file of any of the formats, or FILE.csv:NAME. Unless options->raw, negative values become 0, counted in a warning, and a value that is not
  * finite is refused. Dies with EXIT_FILE or EXIT_BAD_INPUT. Returns the format. */
 const struct import_format *import_read(struct measurement *out, const char *path,
                                         const struct import_options *options);

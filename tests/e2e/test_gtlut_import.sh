@@ -4,6 +4,7 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 B=$(cd "${B:-build}" && pwd) || exit 1
 G=$B/gtlut
+DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
 T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
 cd "$T" || exit 1
 n=0
@@ -17,6 +18,8 @@ ok() { # claim command...
         sed 's/^/# /' log | head -20
     fi
 }
+
+skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
 
 # quiet command...: exit code 0 and nothing on stderr
 quiet() {
@@ -41,15 +44,15 @@ values() { "$G" info "$1" | sed -n 's/^values: //p'; }
 
 lists() {
     quiet "$G" formats >out || return 1
-    for f in gtm rgl merl ktx2 composite astm zemax cornell csv; do
+    for f in gtm rgl merl ktx2 composite astm zemax cornell sgd csv; do
         grep -qE "^$f +\." out || { echo "$f is not listed"; return 1; }
     done
     quiet "$G" formats --json >out && refused 2 'none is wanted' formats x && refused 2 'leave it out' formats -o x || return 1
     quiet "$G" formats --help | grep -q 'usage: gtlut formats' || return 1
     command -v node >/dev/null || return 0
-    node -e 'const a = JSON.parse(require("fs").readFileSync("out")); process.exit(a.length == 9 && a[1].name == "rgl" && a[1].evaluated ? 0 : 1)'
+    node -e 'const a = JSON.parse(require("fs").readFileSync("out")); process.exit(a.length == 10 && a[1].name == "rgl" && a[1].evaluated ? 0 : 1)'
 }
-ok "formats lists nine formats, as text and as JSON" lists
+ok "formats lists ten formats, as text and as JSON" lists
 
 quiet "$G" measure satin_green -o a.csv && quiet "$G" import a.csv -o a.gtm || exit 1
 
@@ -157,6 +160,13 @@ resamples_csv() {
     "$G" info h.gtm | grep -qx 'points: 109440' && "$G" check h.gtm >out || { cat out; return 1; }
 }
 ok "a CSV with holes is resampled when --geometry asks for it" resamples_csv
+
+imports_sgd() {
+    quiet "$G" import "$DATA/brdf/merl_sgd.csv:gold-paint" -o s.gtm && "$G" info s.gtm | grep -qx 'points: 109440' || return 1
+    refused 4 'no-such-material' import "$DATA/brdf/merl_sgd.csv:no-such-material" -o out.gtm
+}
+if [ -r "$DATA/brdf/merl_sgd.csv" ]; then ok "one material of a table of fits is imported by its name" imports_sgd
+else skip "one material of a table of fits is imported by its name" "no data folder"; fi
 
 foreign() {
     head -c 5000 "$B/gtlut" >elf && refused 4 'elf: byte' import elf -o out.gtm || return 1

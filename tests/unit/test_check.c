@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "host_check.h"
+#include "host_import.h"
 #include "importer_fixture.h"
 
 /* theta_in 0, 20, 40, 60; theta_out 0..75 in steps of 3, phi_out in steps of 5 degrees. */
@@ -285,6 +286,66 @@ static void a_lobe_narrower_than_the_grid_is_no_outlier(void **state)
     check_free(&c);
 }
 
+static void noise_is_no_outlier_but_a_spike_in_it_is(void **state)
+{
+    (void)state;
+    for (int percent = 1; percent <= 10; percent += 9) {
+        struct measurement m;
+        struct check c;
+        uint32_t random = 3;
+        make(&m, fixture_brdf);
+        for (size_t i = 0; i < m.count; i++) {
+            double gauss = 0; /* of twelve */
+            for (int k = 0; k < 12; k++) {
+                random = random * 1664525 + 1013904223;
+                gauss += (random >> 8) * 0x1p-24 - 0.5;
+            }
+            for (int k = 0; k < 3; k++)
+                m.points[i].rgb[k] *= (float)(1 + 0.01 * percent * gauss);
+        }
+        check_make(&c, &m, geometry());
+        assert_int_equal(c.outliers, 0);
+        check_free(&c);
+        for (int k = 0; k < 3; k++)
+            at(&m, 2, 12, 50)->rgb[k] *= 4;
+        check_make(&c, &m, geometry());
+        assert_int_equal(c.outliers, 1);
+        check_free(&c);
+        measurement_free(&m);
+    }
+}
+
+/* The files hold BRDFs; times and over the cosine they would be told, although their reciprocity is off by up to 0.8. */
+static void real_materials_are_judged_right_in_all_three_forms(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"paper_white", "cc_ibiza_sunset", "satin_rosaline", "colodur_napoli_4f"};
+    const char *data = getenv("GONIOTILE_DATA");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        for (int form = 0; form < 3; form++) {
+            static const int power[] = {[CHECK_BRDF] = 0, [CHECK_TIMES_COSINE] = 1, [CHECK_OVER_COSINE] = -1};
+            struct import_options options = {.geometry = geometry()};
+            struct measurement m;
+            struct check c;
+            char *path = xasprintf("%s/brdf/%s_rgb.bsdf", data ? data : "../shared/data", names[i]);
+            if (access(path, R_OK)) {
+                free(path);
+                skip();
+            }
+            import_read(&m, path, &options);
+            for (size_t k = 0; k < m.count; k++)
+                for (int channel = 0; channel < 3; channel++)
+                    m.points[k].rgb[channel] *=
+                        (float)pow(cos((double)m.points[k].theta_out * fixture_pi / 180), power[form]);
+            check_make(&c, &m, geometry());
+            if ((int)c.quantity != form)
+                fail_msg("%s in form %d is taken for %d, exponent %g", names[i], form, c.quantity, c.exponent);
+            check_free(&c);
+            measurement_free(&m);
+            free(path);
+        }
+}
+
 static void scattered_samples_are_resampled_and_their_faults_counted(void **state)
 {
     (void)state;
@@ -345,6 +406,8 @@ int main(void)
         cmocka_unit_test(the_blind_spot_is_found_and_interpolated_across),
         cmocka_unit_test(darkness_that_goes_on_is_no_blind_spot),
         cmocka_unit_test(a_lobe_narrower_than_the_grid_is_no_outlier),
+        cmocka_unit_test(noise_is_no_outlier_but_a_spike_in_it_is),
+        cmocka_unit_test(real_materials_are_judged_right_in_all_three_forms),
         cmocka_unit_test(scattered_samples_are_resampled_and_their_faults_counted),
         cmocka_unit_test(nothing_but_nan_is_survived),
     };
