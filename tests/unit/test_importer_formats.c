@@ -10,8 +10,8 @@
 
 #include "host_import.h"
 #include "host_resample.h"
-#include "host_spectral.h"
 #include "importer_fixture.h"
+#include "ref_table.h"
 
 static struct import_options options = {.theta_max = 60};
 
@@ -104,65 +104,6 @@ static void expect_samples(const struct measurement *m, size_t count, const doub
                 fail_msg("sample %zu at %g %g %g channel %d: %g, want %g", i, p->theta_in, p->theta_out, p->phi_out, c,
                          p->rgb[c], scale[c] * want);
     }
-}
-
-/* --- spectra --- */
-
-static void a_constant_spectrum_is_neutral_under_every_illuminant(void **state)
-{
-    (void)state;
-    static const double nm[2][4] = {{400, 500, 620, 700}, {550}};
-    for (int illuminant = 0; illuminant < SPECTRAL_ILLUMINANTS; illuminant++)
-        for (int k = 0; k < 2; k++) {
-            struct spectral s;
-            double rgb[3], values[4] = {0.3, 0.3, 0.3, 0.3};
-            spectral_make(&s, nm[k], k ? 1 : 4, (enum spectral_illuminant)illuminant);
-            spectral_rgb(rgb, &s, values);
-            for (int c = 0; c < 3; c++)
-                if (fabs(rgb[c] - 0.3) > 1e-6)
-                    fail_msg("illuminant %d: %g %g %g", illuminant, rgb[0], rgb[1], rgb[2]);
-            spectral_free(&s);
-        }
-}
-
-/* Spectral lines of 5 nm at a table row: the chromaticity is that of the published tables. At 520 nm x = 0.0743, y = 0.8338; at 600
- * nm x = 0.6270, y = 0.3725 (CIE 015:2018, spectral chromaticities). */
-static void a_spectral_line_has_its_published_chromaticity(void **state)
-{
-    (void)state;
-    static const double want[2][3] = {{520, 0.0743, 0.8338}, {600, 0.6270, 0.3725}};
-    for (int i = 0; i < 2; i++) {
-        double nm[3] = {want[i][0] - 5, want[i][0], want[i][0] + 5}, values[3] = {0, 1, 0}, rgb[3];
-        struct spectral s;
-        spectral_make(&s, nm, 3, SPECTRAL_D65);
-        spectral_rgb(rgb, &s, values);
-        /* sRGB primaries (IEC 61966-2-1). */
-        double x = 0.4124 * rgb[0] + 0.3576 * rgb[1] + 0.1805 * rgb[2];
-        double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        double z = 0.0193 * rgb[0] + 0.1192 * rgb[1] + 0.9505 * rgb[2], sum = x + y + z;
-        if (fabs(x / sum - want[i][1]) > 2e-3 || fabs(y / sum - want[i][2]) > 2e-3)
-            fail_msg("%g nm: x %g y %g", want[i][0], x / sum, y / sum);
-        spectral_free(&s);
-    }
-}
-
-/* Luminance factors of a step from 0.05 to 0.8 at 590 nm, by a direct sum over the published tables. */
-static void a_red_edge_is_red_and_redder_in_warm_light(void **state)
-{
-    (void)state;
-    double nm[4] = {400, 589, 591, 700}, values[4] = {0.05, 0.05, 0.8, 0.8}, d65[3], a[3];
-    struct spectral s;
-    spectral_make(&s, nm, 4, SPECTRAL_D65);
-    spectral_rgb(d65, &s, values);
-    spectral_free(&s);
-    spectral_make(&s, nm, 4, SPECTRAL_A);
-    spectral_rgb(a, &s, values);
-    spectral_free(&s);
-    double luminance = 0.2126 * d65[0] + 0.7152 * d65[1] + 0.0722 * d65[2];
-    double luminance_a = 0.2126 * a[0] + 0.7152 * a[1] + 0.0722 * a[2];
-    assert_true(d65[0] > 0.5 && d65[1] < 0.15 && d65[2] < 0.1);
-    assert_true(fabs(luminance - 0.2086) < 1e-3);
-    assert_true(luminance_a > luminance + 0.04);
 }
 
 /* --- ASTM --- */
@@ -551,6 +492,34 @@ static void merl_comes_back_in_its_scales(void **state)
     free(b.data);
 }
 
+/* --- table files --- */
+
+static void table_comes_back_and_damaged_is_refused(void **state)
+{
+    (void)state;
+    uint32_t texels[5 * 4 * 3];
+    for (int i = 0; i < 60; i++)
+        texels[i] = 256u | 128u << 9 | 64u << 18 | (uint32_t)(14 + i / 20) << 27; /* doubles per slice */
+    struct bytes b = {0};
+    b.data = ref_ktx2_make(5, 4, 3, texels, 60000, &b.count);
+    struct measurement m;
+    expect_format(&b, "ktx2");
+    load(&m, &b);
+    assert_int_equal(m.count, 4 * 76 * 360);
+    for (size_t i = 0; i < m.count; i += 501) {
+        const struct measurement_point *p = &m.points[i];
+        double at = (double)p->theta_in / 30, want = 0.25 * (at < 1 ? 1 + at : 2 * at); /* linear between the slices */
+        if (fabs((double)p->rgb[0] - want) > 1e-5 || fabs((double)p->rgb[2] - want / 4) > 1e-5)
+            fail_msg("theta_in %g: %g, want %g", p->theta_in, p->rgb[0], want);
+    }
+    measurement_free(&m);
+    b.count--;
+    dies(&b, "build the table again");
+    b.count++;
+    damage(&b, 11);
+    free(b.data);
+}
+
 /* --- the table of formats --- */
 
 static void formats_are_told_apart_by_content(void **state)
@@ -601,9 +570,6 @@ static void negative_values_become_zero_and_raw_keeps_everything(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_constant_spectrum_is_neutral_under_every_illuminant),
-        cmocka_unit_test(a_spectral_line_has_its_published_chromaticity),
-        cmocka_unit_test(a_red_edge_is_red_and_redder_in_warm_light),
         cmocka_unit_test(astm_rgb_comes_back_on_its_own_grid),
         cmocka_unit_test(astm_xyz_and_spectra_become_linear_srgb),
         cmocka_unit_test(astm_says_what_is_wrong),
@@ -617,6 +583,7 @@ int main(void)
         cmocka_unit_test(zemax_says_what_is_wrong),
         cmocka_unit_test(zemax_cut_or_damaged_never_reads_outside_the_file),
         cmocka_unit_test(merl_comes_back_in_its_scales),
+        cmocka_unit_test(table_comes_back_and_damaged_is_refused),
         cmocka_unit_test(formats_are_told_apart_by_content),
         cmocka_unit_test(negative_values_become_zero_and_raw_keeps_everything),
     };
