@@ -144,12 +144,19 @@ void source_from_grid(struct brdf_source *out, struct measurement_grid *grid, co
     }
     for (int c = 0; c < 3; c++)
         g->base[c] = find_base(&g->grid, c);
-    const struct measurement_slice *first = &g->grid.slices[0], *last = &g->grid.slices[g->grid.count - 1];
+    double theta_in = 0, theta_out = 90; /* what was extrapolated already is no measurement */
+    for (size_t k = 0; k < g->grid.count; k++) {
+        const struct measurement_slice *s = &g->grid.slices[k];
+        if (s->theta_measured < 0)
+            continue;
+        theta_in = s->theta_in;
+        theta_out = fmin(theta_out, s->theta_measured);
+    }
     *out = (struct brdf_source){.value = grid_value,
                                 .ctx = g,
                                 .close = grid_close,
-                                .theta_in = g->grid.count > 1 ? last->theta_in : 90,
-                                .theta_out = first->theta_out[first->theta_count - 1],
+                                .theta_in = g->grid.count > 1 ? theta_in : 90,
+                                .theta_out = theta_out,
                                 .symmetric = true};
     snprintf(out->name, sizeof out->name, "%s", name);
 }
