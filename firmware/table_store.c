@@ -35,6 +35,18 @@ static uint32_t header_crc(const struct table_store_header *h)
     return crc32_update(0, h, offsetof(struct table_store_header, header_crc));
 }
 
+static uint32_t opening_crc(const struct table_store_opening *o)
+{
+    return crc32_update(0, o, offsetof(struct table_store_opening, record_crc));
+}
+
+/* Bytes of a bank between two marks: whole blocks, so that no more marks are needed than there are. */
+static uint32_t mark_bytes(const struct table_store *s, uint32_t length)
+{
+    uint32_t block = s->hal->flash_block_bytes;
+    return ((TABLE_STORE_DATA_OFFSET + length) / (TABLE_STORE_MARKS * block) + 1) * block;
+}
+
 static uint8_t kind_of_slot(uint32_t slot)
 {
     return slot == 0 ? USB_SLOT_SCENE : USB_SLOT_TABLE;
@@ -64,14 +76,30 @@ static int words_program(struct table_store *s, uint32_t offset, const void *wor
     return result;
 }
 
-/* Erases a bank's first block, its records with it, and notes the erasure. */
-static int bank_open(struct table_store *s, uint32_t slot, uint32_t bank)
+/* Erases a bank's first block, its records with it, and notes the erasure and what is to come. */
+static int bank_open(struct table_store *s, uint32_t slot, uint32_t bank, uint32_t length, uint32_t crc)
 {
     uint32_t offset = bank_offset(s, slot, bank);
-    struct table_store_erases e = {TABLE_STORE_ERASES_MAGIC, ++s->slots[slot].erases[bank], ERASED_WORD, 0};
-    e.record_crc = crc32_update(0, &e, offsetof(struct table_store_erases, record_crc));
+    struct table_store_opening o = {
+        .magic = TABLE_STORE_OPENING_MAGIC,
+        .erases = ++s->slots[slot].erases[bank],
+        .length = length,
+        .crc = crc,
+        .reserved = {ERASED_WORD, ERASED_WORD, ERASED_WORD},
+    };
+    o.record_crc = opening_crc(&o);
     int result = s->hal->flash_erase(s->hal->ctx, offset);
-    return result == HAL_OK ? words_program(s, offset + TABLE_STORE_ERASES_OFFSET, &e, sizeof e) : result;
+    return result == HAL_OK ? words_program(s, offset + TABLE_STORE_OPENING_OFFSET, &o, sizeof o) : result;
+}
+
+/* Programs one word of the upload's page to 0. One that a power cut left torn stays as it is. */
+static int word_clear(struct table_store *s, uint32_t offset)
+{
+    static const uint32_t zero = 0, erased = ERASED_WORD;
+    offset += bank_offset(s, s->upload.slot, s->upload.bank);
+    if (__builtin_memcmp(s->hal->flash + offset, &erased, sizeof erased) != 0)
+        return HAL_OK;
+    return words_program(s, offset, &zero, sizeof zero);
 }
 
 static bool write_allowed(const struct table_store *s)
@@ -100,19 +128,48 @@ static enum bank_state header_read(struct table_store_header *h, const struct ta
     return ours ? BANK_INTACT : BANK_FOREIGN;
 }
 
-static void erases_read(struct table_store *s, uint32_t slot)
+/* An upload that the power cut off: open again from the last mark on. */
+static void upload_reopen(struct table_store *s, uint32_t slot, uint32_t bank, const struct table_store_opening *o)
 {
-    uint32_t *count = s->slots[slot].erases;
+    const uint32_t *page = (const uint32_t *)(const void *)(s->hal->flash + bank_offset(s, slot, bank));
+    const uint32_t *marks = page + TABLE_STORE_MARKS_OFFSET / 4;
+    uint32_t n = 0, step = mark_bytes(s, o->length);
+    if (o->length == 0 || o->length > table_store_capacity(s, slot) ||
+        page[TABLE_STORE_CLOSED_OFFSET / 4] != ERASED_WORD)
+        return;
+    for (uint32_t i = 0; i < TABLE_STORE_MARKS; i++)
+        n = marks[i] == 0 ? i + 1 : n; /* one before may be torn: what counts is the last */
+    uint32_t end = n * step;           /* <= 47 * (flash / 47 + block) */
+    if (n == 0 || end >= TABLE_STORE_DATA_OFFSET + o->length)
+        return;
+    s->upload = (struct table_store_upload){
+        .open = true,
+        .slot = (uint8_t)slot,
+        .kind = kind_of_slot(slot),
+        .bank = (uint8_t)bank,
+        .length = o->length,
+        .crc = o->crc,
+        .received = end - TABLE_STORE_DATA_OFFSET,
+        .found = crc32_update(0, bank_content(s, slot, bank), end - TABLE_STORE_DATA_OFFSET),
+        .erased = end,
+    };
+}
+
+static void openings_read(struct table_store *s, uint32_t slot, const enum bank_state state[2])
+{
+    uint32_t *erases = s->slots[slot].erases;
     for (uint32_t bank = 0; bank < 2; bank++) {
-        struct table_store_erases e;
-        __builtin_memcpy(&e, s->hal->flash + bank_offset(s, slot, bank) + TABLE_STORE_ERASES_OFFSET, sizeof e);
-        if (e.magic == TABLE_STORE_ERASES_MAGIC &&
-            e.record_crc == crc32_update(0, &e, offsetof(struct table_store_erases, record_crc)))
-            count[bank] = e.count;
+        struct table_store_opening o;
+        __builtin_memcpy(&o, s->hal->flash + bank_offset(s, slot, bank) + TABLE_STORE_OPENING_OFFSET, sizeof o);
+        if (o.magic != TABLE_STORE_OPENING_MAGIC || o.record_crc != opening_crc(&o))
+            continue;
+        erases[bank] = o.erases;
+        if (state[bank] == BANK_BLANK && !s->upload.open)
+            upload_reopen(s, slot, bank, &o);
     }
     for (uint32_t bank = 0; bank < 2; bank++)
-        if (count[bank] == 0 && count[1 - bank] > 0) /* lost, or never used: banks take turns */
-            count[bank] = count[1 - bank] - 1;
+        if (erases[bank] == 0 && erases[1 - bank] > 0) /* lost, or never used: banks take turns */
+            erases[bank] = erases[1 - bank] - 1;
 }
 
 static bool bank_mount(struct table_store *s, uint32_t slot, uint8_t bank, const struct table_store_header *h)
@@ -134,14 +191,14 @@ static void slot_mount(struct table_store *s, uint32_t slot)
     enum bank_state state[2] = {header_read(&h[0], s, slot, 0), header_read(&h[1], s, slot, 1)};
     bool intact[2] = {state[0] == BANK_INTACT, state[1] == BANK_INTACT};
     uint8_t newest = intact[1] && (!intact[0] || h[1].sequence - h[0].sequence < 1u << 31); /* sequences wrap */
-    erases_read(s, slot);
+    openings_read(s, slot, state);
     s->slots[slot].sequence =
         intact[newest] ? h[newest].sequence : 0; /* later ones supersede it even if it does not open */
     if (!intact[newest] || !bank_mount(s, slot, newest, &h[newest]))
         if (intact[1 - newest])
             bank_mount(s, slot, (uint8_t)(1 - newest), &h[1 - newest]);
     for (uint32_t bank = 0; bank < 2; bank++)
-        if (state[bank] == BANK_TORN && write_allowed(s) && bank_open(s, slot, bank) == HAL_OK)
+        if (state[bank] == BANK_TORN && write_allowed(s) && bank_open(s, slot, bank, 0, 0) == HAL_OK)
             s->scrubbed++;
 }
 
@@ -205,6 +262,7 @@ struct table_store_result table_store_begin(struct table_store *s, const struct 
         return (struct table_store_result){USB_ERR_FORBIDDEN, 0};
     const struct table_store_slot *live = &s->slots[b->slot];
     struct table_store_upload *u = &s->upload;
+    table_store_abort(s);
     u->open = true;
     u->slot = (uint8_t)b->slot;
     u->kind = (uint8_t)b->kind;
@@ -213,18 +271,21 @@ struct table_store_result table_store_begin(struct table_store *s, const struct 
     u->crc = b->crc;
     u->received = u->found = 0;
     u->erased = s->hal->flash_block_bytes;
-    int result = bank_open(s, u->slot, u->bank);
+    int result = bank_open(s, u->slot, u->bank, u->length, u->crc);
     return result == HAL_OK ? done : flash_failed(s, result);
 }
 
-/* Programs `bytes` of content, a multiple of 4, at `at`. */
+/* Programs `bytes` of content, a multiple of 4, at `at`; a mark behind it, where one is due. */
 static int content_program(struct table_store *s, uint32_t at, const void *words, uint32_t bytes)
 {
-    int result = bank_erase(s, TABLE_STORE_DATA_OFFSET + at + bytes);
-    if (result != HAL_OK)
-        return result;
-    return words_program(s, bank_offset(s, s->upload.slot, s->upload.bank) + TABLE_STORE_DATA_OFFSET + at, words,
-                         bytes);
+    const struct table_store_upload *u = &s->upload;
+    uint32_t start = TABLE_STORE_DATA_OFFSET + at, end = start + bytes, step = mark_bytes(s, u->length);
+    int result = bank_erase(s, end);
+    if (result == HAL_OK)
+        result = words_program(s, bank_offset(s, u->slot, u->bank) + start, words, bytes);
+    if (result == HAL_OK && end % step == 0 && end < TABLE_STORE_DATA_OFFSET + u->length) /* a mark <= 47 */
+        result = word_clear(s, TABLE_STORE_MARKS_OFFSET + (end / step - 1) * 4);
+    return result;
 }
 
 struct table_store_result table_store_write(struct table_store *s, const void *data, uint32_t bytes, uint32_t check)
@@ -262,12 +323,13 @@ struct table_store_result table_store_commit(struct table_store *s)
 {
     struct table_store_upload *u = &s->upload;
     struct table_store_slot *live = &s->slots[u->slot];
+    uint32_t refused = u->found == u->crc ? content_check(u->kind, bank_content(s, u->slot, u->bank), u->length) : 0;
+    if (u->found != u->crc || refused) {
+        table_store_abort(s);
+        return u->found != u->crc ? (struct table_store_result){USB_ERR_CRC, u->found}
+                                  : (struct table_store_result){USB_ERR_CONTENT, refused};
+    }
     u->open = false;
-    if (u->found != u->crc)
-        return (struct table_store_result){USB_ERR_CRC, u->found};
-    uint32_t refused = content_check(u->kind, bank_content(s, u->slot, u->bank), u->length);
-    if (refused)
-        return (struct table_store_result){USB_ERR_CONTENT, refused};
     struct table_store_header h = {
         .magic = TABLE_STORE_MAGIC,
         .version = TABLE_STORE_VERSION,
@@ -292,5 +354,8 @@ struct table_store_result table_store_commit(struct table_store *s)
 
 void table_store_abort(struct table_store *s)
 {
-    s->upload.open = false;
+    struct table_store_upload *u = &s->upload;
+    if (u->open)
+        (void)word_clear(s, TABLE_STORE_CLOSED_OFFSET); /* else a restart would open it again */
+    u->open = false;
 }

@@ -3,10 +3,12 @@
  *
  * Purpose   an upload goes to the slot's spare bank and becomes live by one record, the bank header, which is
  *           programmed last: before it the old content is live, after it the new one, never a mixture.
- * Bank      a 256-byte page with two records, each programmed once: the header, and the count of erasures, which comes
- *           right after the page's erasure. Then the content from offset TABLE_STORE_DATA_OFFSET.
+ * Bank      a 256-byte page with two records, each programmed once: the header, and the opening, which comes right after the
+ *           page's erasure and says how often it was erased and what is to come; and marks of how far that came. Then the
+ *           content from offset TABLE_STORE_DATA_OFFSET.
  * Start     of the banks whose header, data CRC and content are intact, the one with the highest sequence is live. A header
- *           that a power cut left torn is erased (scrubbed), since what reads as torn today may read as whole tomorrow.
+ *           that a power cut left torn is erased (scrubbed), since what reads as torn today may read as whole tomorrow. An
+ *           upload that it cut off is open again, up to the last mark.
  * Checks    every message of an upload against the CRC of the content so far before anything is programmed; every word
  *           programmed is read back.
  */
@@ -21,8 +23,11 @@
 #define TABLE_STORE_DATA_OFFSET 256u
 #define TABLE_STORE_CHUNK       256u /* programmed at once */
 
-#define TABLE_STORE_ERASES_MAGIC  0x52455447u /* "GTER" */
-#define TABLE_STORE_ERASES_OFFSET 32u
+#define TABLE_STORE_OPENING_MAGIC  0x504f5447u /* "GTOP" */
+#define TABLE_STORE_OPENING_OFFSET 32u
+#define TABLE_STORE_MARKS_OFFSET   64u  /* words: 0 when the blocks up to this mark are programmed */
+#define TABLE_STORE_MARKS          47u  /* at most */
+#define TABLE_STORE_CLOSED_OFFSET  252u /* a word: no longer erased when the upload was given up */
 
 struct table_store_header { /* at the start of a bank, little-endian */
     uint32_t magic;
@@ -35,12 +40,14 @@ struct table_store_header { /* at the start of a bank, little-endian */
 };
 _Static_assert(sizeof(struct table_store_header) == 32, "layout");
 
-struct table_store_erases { /* at TABLE_STORE_ERASES_OFFSET */
+struct table_store_opening { /* at TABLE_STORE_OPENING_OFFSET */
     uint32_t magic;
-    uint32_t count;      /* erasures of the bank's first block, this one included */
-    uint32_t reserved;   /* 0xffffffff */
-    uint32_t record_crc; /* CRC-32 of the 12 bytes before */
+    uint32_t erases;      /* of the bank's first block, this one included */
+    uint32_t length, crc; /* of the content to come; 0 when the block was but erased */
+    uint32_t reserved[3]; /* 0xffffffff */
+    uint32_t record_crc;  /* CRC-32 of the 28 bytes before */
 };
+_Static_assert(sizeof(struct table_store_opening) == 32, "layout");
 
 struct table_store_slot {
     uint8_t kind; /* enum usb_slot_kind; EMPTY: nothing is live */
@@ -75,8 +82,8 @@ struct table_store_result {
     uint32_t detail;
 };
 
-/* Lays the banks out (slot 0's two, then the others', equal, whole blocks), finds what is live and scrubs torn banks where writing
- * is allowed. In:
+/* Lays the banks out (slot 0's two, then the others', equal, whole blocks), finds what is live, opens an upload that a power cut
+ * left, and scrubs torn banks where writing is allowed. In:
  * slot_count 2..USB_MAX_SLOTS; scene_bank_bytes of each of slot 0's banks, 0 = as large as the others. False
  * when the flash is too small. */
 bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes);
@@ -101,6 +108,7 @@ struct table_store_result table_store_write(struct table_store *s, const void *d
  * upload. */
 struct table_store_result table_store_commit(struct table_store *s);
 
+/* Drops the open upload, if any, for good. */
 void table_store_abort(struct table_store *s);
 
 #endif

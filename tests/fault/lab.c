@@ -56,8 +56,9 @@ struct lab *lab_create(bool high_speed, bool display)
     static const struct {
         uint32_t mantissa;
         unsigned height;
-    } tables[] = {[LAB_SMALL_A] = {200, 29}, [LAB_SMALL_B] = {90, 30}, [LAB_SMALL_C] = {30, 28},
-                  [LAB_BIG_A] = {180, 146},  [LAB_BIG_B] = {70, 145},  [LAB_BIG_C] = {20, 147}};
+    } tables[] = {
+        [LAB_SMALL_A] = {200, 29}, [LAB_SMALL_B] = {90, 30}, [LAB_SMALL_C] = {30, 28}, [LAB_MIDDLE_A] = {150, 62},
+        [LAB_MIDDLE_B] = {60, 63}, [LAB_BIG_A] = {180, 146}, [LAB_BIG_B] = {70, 145},  [LAB_BIG_C] = {20, 147}};
     for (enum lab_content c = LAB_SMALL_A; c <= LAB_BIG_C; c++)
         table_make(lab, c, tables[c].mantissa, tables[c].height);
     scene_make(lab, LAB_SCENE_A, 8000);
@@ -98,8 +99,27 @@ void lab_start(struct lab *lab, const uint8_t *image)
 bool lab_try_push(struct lab *lab, uint32_t slot, enum lab_content content)
 {
     struct usb_header h;
-    return sim_device_push(lab->device, slot, slot ? USB_SLOT_TABLE : USB_SLOT_SCENE, lab->data[content],
-                           (uint32_t)lab->bytes[content], &h) &&
+    struct usb_info info;
+    const uint8_t *data = lab->data[content];
+    uint32_t bytes = (uint32_t)lab->bytes[content];
+    if (!sim_device_request(lab->device, USB_MSG_INFO, NULL, 0, &h, &info, sizeof info))
+        return false;
+    if (info.upload_slot != slot || info.upload_length != bytes || info.upload_crc != crc32(0, data, bytes) ||
+        info.upload_found != crc32(0, data, info.upload_received))
+        return sim_device_push(lab->device, slot, slot ? USB_SLOT_TABLE : USB_SLOT_SCENE, data, bytes, &h) &&
+               h.status == USB_OK;
+    lab->resumed++;
+    lab->device->content_crc = info.upload_found;
+    h.status = USB_OK;
+    for (uint32_t at = info.upload_received, n; at < bytes && h.status == USB_OK; at += n) {
+        uint8_t message[USB_MAX_PAYLOAD];
+        n = bytes - at < USB_MAX_DATA ? bytes - at : USB_MAX_DATA;
+        memcpy(message, &at, 4);
+        memcpy(message + 4, data + at, n);
+        if (!sim_device_request(lab->device, USB_MSG_DATA, message, 4 + n, &h, NULL, 0))
+            return false;
+    }
+    return h.status == USB_OK && sim_device_request(lab->device, USB_MSG_COMMIT, NULL, 0, &h, NULL, 0) &&
            h.status == USB_OK;
 }
 

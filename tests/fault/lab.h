@@ -11,12 +11,15 @@
 
 enum { LAB_SLOTS = 4, LAB_WIDTH = 100, LAB_HEIGHT = 40, LAB_PICTURE = 3 * LAB_WIDTH * LAB_HEIGHT };
 
-/* Contents by number. Tables are of one colour each, the big ones fill a bank's three blocks; LAB_NOTHING: an empty slot. */
+/* Contents by number. Tables are of one colour each; they take one, two or three blocks, which is all of a bank. LAB_NOTHING: an empty
+ * slot. */
 enum lab_content {
     LAB_NOTHING,
     LAB_SMALL_A,
     LAB_SMALL_B,
     LAB_SMALL_C,
+    LAB_MIDDLE_A,
+    LAB_MIDDLE_B,
     LAB_BIG_A,
     LAB_BIG_B,
     LAB_BIG_C,
@@ -27,6 +30,7 @@ enum lab_content {
 
 struct lab {
     struct sim_device *device;
+    uint32_t resumed; /* pushes that went on where an earlier one had stopped */
     uint32_t flash_bytes;
     size_t bytes[LAB_CONTENTS];
     uint8_t *data[LAB_CONTENTS];
@@ -40,7 +44,7 @@ void lab_destroy(struct lab *lab);
 /* The device's flash becomes `image` (NULL: erased), the firmware starts anew and is enumerated. */
 void lab_start(struct lab *lab, const uint8_t *image);
 
-/* A push that must succeed; a push whose end does not matter. */
+/* A push that must succeed; a push whose end does not matter. As gtusb, they go on with what an earlier one left. */
 void lab_push(struct lab *lab, uint32_t slot, enum lab_content content);
 bool lab_try_push(struct lab *lab, uint32_t slot, enum lab_content content);
 

@@ -4,12 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    HOWS = SIM_CUT_DURING + 99,       /* ways to cut once */
-    FIRST_HOWS = SIM_CUT_DURING + 4,  /* and when a second cut follows: after each of them */
-    SECOND_HOWS = SIM_CUT_DURING + 4, /* each of these */
-    MAX_STEPS = 6,
-};
+enum { HOWS = SIM_CUT_DURING + 99, TWICE_HOWS = 5, MAX_STEPS = 6 };
+
+/* Ways to cut when there are two cuts: around the operation, after half of its bytes, with half or almost all of its bits. */
+static const uint32_t twice_hows[TWICE_HOWS] = {SIM_CUT_BEFORE, SIM_CUT_AFTER, SIM_CUT_DURING + 9 * 32,
+                                                SIM_CUT_DURING + 3, SIM_CUT_DURING + 5};
 
 struct step {
     uint32_t slot;
@@ -34,7 +33,7 @@ static const struct scenario {
      {2, LAB_BIG_A}},
     {"interrupted_scrub", false, true, {{0, LAB_SCENE_A}, {1, LAB_BIG_A}, {1, LAB_BIG_B}}, {1, LAB_BIG_C}},
     {"scene", false, false, {{0, LAB_SCENE_A}, {1, LAB_SMALL_A}}, {0, LAB_SCENE_B}},
-    {"replace_twice_cut", true, false, {{0, LAB_SCENE_A}, {1, LAB_SMALL_A}}, {1, LAB_SMALL_B}},
+    {"replace_twice_cut", true, false, {{0, LAB_SCENE_A}, {1, LAB_MIDDLE_A}}, {1, LAB_MIDDLE_B}},
     {"scrub_twice_cut", true, true, {{0, LAB_SCENE_A}, {1, LAB_SMALL_A}, {1, LAB_SMALL_B}}, {1, LAB_SMALL_C}},
 };
 
@@ -107,6 +106,11 @@ void power_cuts_destroy(struct power_cuts *p)
     free(p);
 }
 
+uint32_t power_cuts_resumed(const struct power_cuts *p)
+{
+    return p->lab->resumed;
+}
+
 const char *power_cuts_scenario(unsigned scenario)
 {
     return scenarios[scenario].name;
@@ -121,7 +125,7 @@ static unsigned second_operations(const struct power_cuts *p, unsigned scenario)
 uint32_t power_cuts_count(const struct power_cuts *p, unsigned scenario)
 {
     if (scenarios[scenario].twice)
-        return p->operations[scenario] * FIRST_HOWS * second_operations(p, scenario) * SECOND_HOWS;
+        return p->operations[scenario] * TWICE_HOWS * second_operations(p, scenario) * TWICE_HOWS;
     return p->operations[scenario] * HOWS;
 }
 
@@ -129,10 +133,14 @@ struct power_cut power_cuts_case(const struct power_cuts *p, unsigned scenario, 
 {
     if (!scenarios[scenario].twice)
         return (struct power_cut){.scenario = scenario, .operation = n / HOWS, .how = n % HOWS};
-    uint32_t second = n % (second_operations(p, scenario) * SECOND_HOWS);
-    n /= second_operations(p, scenario) * SECOND_HOWS;
-    return (struct power_cut){scenario, n / FIRST_HOWS,       n % FIRST_HOWS,
-                              true,     second / SECOND_HOWS, second % SECOND_HOWS};
+    unsigned first_how = n % TWICE_HOWS, second_how = n / TWICE_HOWS % TWICE_HOWS;
+    n /= TWICE_HOWS * TWICE_HOWS;
+    return (struct power_cut){.scenario = scenario,
+                              .operation = n / second_operations(p, scenario),
+                              .how = twice_hows[first_how],
+                              .again = true,
+                              .second_operation = n % second_operations(p, scenario),
+                              .second_how = twice_hows[second_how]};
 }
 
 void power_cuts_name(char name[64], const struct power_cut *c)

@@ -33,6 +33,9 @@ struct power_cut power_cuts_case(const struct power_cuts *p, unsigned scenario, 
 void power_cuts_name(char name[64], const struct power_cut *c);
 bool power_cuts_parse(struct power_cut *c, const char *name);
 
+/* Pushes so far that went on where the power had failed. */
+uint32_t power_cuts_resumed(const struct power_cuts *p);
+
 /* NULL when all is well, else what is wrong. */
 const char *power_cuts_run(struct power_cuts *p, const struct power_cut *c);
 

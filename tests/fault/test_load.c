@@ -48,6 +48,7 @@ struct account {
 
 static struct lab *lab;
 static struct account account;
+static unsigned resumed;              /* pushes, after a loss of power */
 static struct table slots[LAB_SLOTS]; /* what is live in the table slots */
 
 static bool holds(uint32_t slot, const struct table *t)
@@ -178,6 +179,14 @@ static void push_with_fault(uint32_t slot, struct table *t, unsigned fault)
         sim_cut_power(lab->device->board, -1, 0);
         sim_device_restart(lab->device);
         enumerate();
+        assert_true(ask(USB_MSG_INFO, NULL, 0, &info, sizeof info));
+        if (!done && fault == 5 && info.upload_slot == slot &&
+            info.upload_length == t->bytes) { /* it goes on from the last mark */
+            assert_int_equal(info.upload_found, crc32(0, t->data, info.upload_received));
+            assert_true(send_part(slot, t, info.upload_received, (uint32_t)t->bytes) && commit());
+            done = true;
+            resumed++;
+        }
         break;
     }
     if (holds(slot, t)) {
@@ -206,8 +215,8 @@ static void pushes_with_faults_while_rendering_lose_nothing(void **state)
             account_steps(1);
         }
     }
-    printf("# %u pushes, %llu bytes, %llu frames\n", count, (unsigned long long)account.served,
-           (unsigned long long)account.frames);
+    printf("# %u pushes, %llu bytes, %u resumed after a loss of power, %llu frames\n", count,
+           (unsigned long long)account.served, resumed, (unsigned long long)account.frames);
 }
 
 int main(void)

@@ -64,7 +64,7 @@ int main(void)
     uint32_t all = 0;
     for (unsigned s = 0; s < POWER_CUT_SCENARIOS; s++)
         all += power_cuts_count(cuts, s);
-    printf("# %u of %u power cuts\n", cases, all);
+    printf("# %u of %u power cuts, %u pushes resumed\n", cases, all, power_cuts_resumed(cuts));
     power_cuts_destroy(cuts);
     return failed;
 }

@@ -247,16 +247,69 @@ static void erasures_are_counted_and_survive(void **state)
             restart(f);
         }
     }
-    uint8_t *record = bank(f, 1, 0) + TABLE_STORE_ERASES_OFFSET;
-    uint32_t words[4];
-    memcpy(words, record, 16);
-    assert_memory_equal(record, "GTER", 4);
+    uint8_t *record = bank(f, 1, 0) + TABLE_STORE_OPENING_OFFSET;
+    uint32_t words[8];
+    memcpy(words, record, 32);
+    assert_memory_equal(record, "GTOP", 4);
     assert_int_equal(words[1], 10);
-    assert_int_equal(words[2], 0xffffffff);
-    assert_int_equal(words[3], crc32_update(0, record, 12));
+    assert_int_equal(words[2], f->bytes);
+    assert_int_equal(words[3], crc32_update(0, f->tables[1], f->bytes));
+    assert_int_equal(words[4] & words[5] & words[6], 0xffffffff);
+    assert_int_equal(words[7], crc32_update(0, record, 28));
     record[4] ^= 1; /* lost: that of the other bank is about the same */
     restart(f);
     assert_int_equal(f->store.slots[1].erases[0], 8);
+}
+
+/* A power cut drops what came after the last block that was marked; the rest goes on from there, and ends in the same content. */
+static void upload_goes_on_after_a_restart(void **state)
+{
+    struct fixture *f = *state;
+    static uint8_t data[FIXTURE_CAPACITY];
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)random32();
+    memset(bank(f, 1, 0), 0x55, FIXTURE_BANK);
+    memset(bank(f, 1, 0), 0xff, 256);
+    for (uint32_t cut = 0; cut <= sizeof data; cut += 100) {
+        begin(f, 1, USB_SLOT_TABLE, data, sizeof data);
+        assert_int_equal(write_next(f, data, cut).status, USB_OK);
+        restart(f);
+        const struct table_store_upload *u = &f->store.upload;
+        uint32_t marked = (cut + 256) / SIM_FLASH_BLOCK * SIM_FLASH_BLOCK;
+        assert_int_equal(u->open, marked > 0);
+        if (u->open) {
+            /* the last block has no mark */
+            assert_int_equal(u->received, (marked == FIXTURE_BANK ? marked - SIM_FLASH_BLOCK : marked) - 256);
+            assert_int_equal(u->found, crc32_update(0, data, u->received));
+            assert_int_equal(u->crc, crc32_update(0, data, sizeof data));
+            assert_int_equal(u->length, sizeof data);
+            assert_int_equal(u->slot, 1);
+            uint32_t rest = u->received;
+            assert_int_equal(write_next(f, data + rest, sizeof data - rest).status, USB_OK);
+            assert_int_equal(table_store_commit(&f->store).status, USB_ERR_CONTENT); /* whole, though no table */
+            assert_memory_equal(bank(f, 1, 0) + 256, data, sizeof data);
+            restart(f);
+            assert_false(u->open); /* a refused upload does not come back */
+        }
+    }
+    for (int how = 0; how < 2; how++) { /* nor does one that was given up, or dropped by another */
+        begin(f, 1, USB_SLOT_TABLE, data, sizeof data);
+        write_next(f, data, 5000);
+        if (how == 0)
+            table_store_abort(&f->store);
+        else
+            begin(f, 2, USB_SLOT_TABLE, data, sizeof data);
+        restart(f);
+        assert_false(f->store.upload.open);
+    }
+    begin(f, 1, USB_SLOT_TABLE, data, sizeof data);
+    write_next(f, data, 9000);
+    bank(f, 1, 0)[64] = 1; /* a torn mark does not matter when a later one is whole */
+    restart(f);
+    assert_int_equal(f->store.upload.received, 2 * SIM_FLASH_BLOCK - 256);
+    bank(f, 1, 0)[252] = 0x7f; /* nor does the upload come back when its end is torn */
+    restart(f);
+    assert_false(f->store.upload.open);
 }
 
 /* A table that does not open for once must not come back over one that was pushed after it. */
@@ -495,6 +548,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(flipped_bit_in_the_live_bank_falls_back_to_the_older_one, setup, teardown),
         cmocka_unit_test_setup_teardown(torn_header_is_scrubbed, setup, teardown),
         cmocka_unit_test_setup_teardown(erasures_are_counted_and_survive, setup, teardown),
+        cmocka_unit_test_setup_teardown(upload_goes_on_after_a_restart, setup, teardown),
         cmocka_unit_test_setup_teardown(later_push_supersedes_a_bank_that_was_damaged_for_a_while, setup, teardown),
         cmocka_unit_test_setup_teardown(words_that_do_not_stick_are_noticed, setup, teardown),
         cmocka_unit_test_setup_teardown(bank_of_another_slot_is_not_mounted, setup, teardown),
