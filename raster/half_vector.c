@@ -33,11 +33,6 @@ static inline struct place place_find(const struct lut_table *table, const struc
     return o;
 }
 
-struct sums { /* of rows h and h+1, below 2^29, times 2^(E - 44) */
-    uint32_t a[3], b[3];
-    uint32_t exponent; /* E */
-};
-
 /* Weights of nodes t and t+1, in planes d and d+1; they sum to 2^14. */
 struct weights {
     uint32_t low0, low1, high0, high1;
@@ -46,7 +41,7 @@ struct weights {
 static inline struct weights weights_find(const struct place *o)
 {
     const uint32_t high1 = o->ft * o->fd, low1 = 64 * o->ft - high1, high0 = 256 * o->fd - high1;
-    return (struct weights){(1u << 14) - 64 * o->ft - high0, low1, high0, high1};
+    return (struct weights){64 * (256 - o->ft) - high0, low1, high0, high1};
 }
 
 static inline void tap(uint32_t s[3], uint32_t texel, uint32_t weight, uint32_t exponent)
@@ -57,6 +52,7 @@ static inline void tap(uint32_t s[3], uint32_t texel, uint32_t weight, uint32_t 
     s[2] += ((texel >> 18 & 511) << 6 >> down) * weight;
 }
 
+/* Sums of a row, below 2^29, times 2^(E - 44): from texels of planes d and d+1. */
 static inline void row_plain(uint32_t s[3], const uint32_t *low, const uint32_t *high, const struct weights *w,
                              uint32_t exponent)
 {
@@ -67,38 +63,55 @@ static inline void row_plain(uint32_t s[3], const uint32_t *low, const uint32_t 
     tap(s, high[1], w->high1, exponent);
 }
 
-static inline struct sums taps_plain(const struct lut_table *t, const struct place *o)
+/* The same of one channel from the re-packed copy, whose words have both planes' 15 bits. */
+static inline uint32_t row_packed(const uint32_t *p, const struct weights *w)
+{
+    return (p[0] & 0xffff) * w->low0 + (p[0] >> 16) * w->high0 + (p[3] & 0xffff) * w->low1 + (p[3] >> 16) * w->high1;
+}
+
+/* What a pixel's two rows weigh. */
+struct scales {
+    uint32_t row[2];
+    uint32_t up; /* cells brighter than the constants' top: by how much */
+};
+
+static inline struct scales scales_find(const struct half_vector_constants *k, uint32_t ratio, uint32_t hf,
+                                        uint32_t exponent)
+{
+    const int32_t shift = k->top - (int32_t)exponent;
+    const uint32_t scale = ratio << 16 >> fx_max(shift, 0), scale1 = fx_mulhi_u(scale, hf);
+    return (struct scales){{scale - scale1, scale1}, (uint32_t)fx_max(-shift, 0)};
+}
+
+static inline void add(uint32_t *radiance, uint32_t a, uint32_t b, const struct scales *s, uint32_t colour)
+{
+    const uint32_t sum = fx_mulhi_u(a, s->row[0]) + fx_mulhi_u(b, s->row[1]); /* < 2^28 */
+    *radiance += s->up ? half_vector_bright(sum, colour, s->up) : fx_mulhi_u(sum, colour);
+}
+
+static inline void add_plain(uint32_t c[3], const struct lut_table *t, const struct place *o, uint32_t ratio,
+                             const struct half_vector_constants *k)
 {
     const struct weights w = weights_find(o);
     const uint32_t *low = t->texels + (o->d * t->height + o->h) * t->width + o->t, *high = low + t->height * t->width;
-    struct sums s = {.exponent = t->cells[o->d * (t->height - 1) + o->h]};
-    row_plain(s.a, low, high, &w, s.exponent);
-    row_plain(s.b, low + t->width, high + t->width, &w, s.exponent);
-    return s;
+    const uint32_t exponent = t->cells[o->d * (t->height - 1) + o->h];
+    const struct scales s = scales_find(k, ratio, o->hf, exponent);
+    uint32_t a[3], b[3];
+    row_plain(a, low, high, &w, exponent);
+    row_plain(b, low + t->width, high + t->width, &w, exponent);
+    for (int j = 0; j < 3; j++)
+        add(&c[j], a[j], b[j], &s, k->colour[j]);
 }
 
-/* Words of the re-packed copy: two planes' mantissas, 15 bits each. */
-static inline uint32_t pair(uint32_t word, uint32_t low, uint32_t high)
-{
-    return (word & 0xffff) * low + (word >> 16) * high;
-}
-
-static inline void row_packed(uint32_t s[3], const uint32_t *p, const struct weights *w)
-{
-    s[0] = pair(p[0], w->low0, w->high0) + pair(p[3], w->low1, w->high1);
-    s[1] = pair(p[1], w->low0, w->high0) + pair(p[4], w->low1, w->high1);
-    s[2] = pair(p[2], w->low0, w->high0) + pair(p[5], w->low1, w->high1);
-}
-
-static inline struct sums taps_packed(const struct lut_table *t, const struct place *o)
+static inline void add_packed(uint32_t c[3], const struct lut_table *t, const struct place *o, uint32_t ratio,
+                              const struct half_vector_constants *k)
 {
     const struct weights w = weights_find(o);
     const uint32_t record = t->slabs[o->d * (t->height - 1) + o->h];
-    const uint32_t *p = t->slabs + (record >> 10) + 3 * o->t;
-    struct sums s = {.exponent = record & 255};
-    row_packed(s.a, p, &w);
-    row_packed(s.b, p + 3 * t->width, &w);
-    return s;
+    const uint32_t *p = t->slabs + (record >> 10) + 3 * o->t, *q = p + 3 * t->width;
+    const struct scales s = scales_find(k, ratio, o->hf, record & 255);
+    for (int j = 0; j < 3; j++)
+        add(&c[j], row_packed(p + j, &w), row_packed(q + j, &w), &s, k->colour[j]);
 }
 
 __attribute__((always_inline)) static inline uint32_t shade(struct raster_batch *b, uint32_t first, uint32_t end,
@@ -116,15 +129,10 @@ __attribute__((always_inline)) static inline uint32_t shade(struct raster_batch 
         const uint32_t both = (uint32_t)p.nl + (uint32_t)b->pixel[i].nv;
         const uint32_t ratio = (uint32_t)p.nl / (both >> 15); /* < 2^15 as n.v >= 2^-8 */
         const struct place o = place_find(table, &p, ratio);
-        const struct sums s = packed ? taps_packed(table, &o) : taps_plain(table, &o);
-        const int32_t shift = k.top - (int32_t)s.exponent;
-        const uint32_t scale = ratio << 16 >> fx_max(shift, 0), scale1 = fx_mulhi_u(scale, o.hf),
-                       scale0 = scale - scale1;
-        uint32_t *c = b->radiance[i];
-        for (int j = 0; j < 3; j++) {
-            const uint32_t sum = fx_mulhi_u(s.a[j], scale0) + fx_mulhi_u(s.b[j], scale1); /* < 2^28 */
-            c[j] += shift >= 0 ? fx_mulhi_u(sum, k.colour[j]) : half_vector_bright(sum, k.colour[j], (uint32_t)-shift);
-        }
+        if (packed)
+            add_packed(b->radiance[i], table, &o, ratio, &k);
+        else
+            add_plain(b->radiance[i], table, &o, ratio, &k);
     }
     return lit;
 }

@@ -29,16 +29,16 @@ typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint
                                     const struct raster_block_light *light);
 raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
 raster_half_vector raster_half_vector_packed; /* table->slabs != NULL */
-raster_half_vector raster_half_vector_dsp;    /* the same where HALF_VECTOR_DSP; half_vector_dsp.c */
+raster_half_vector raster_half_vector_arm;    /* the same where HALF_VECTOR_ARM; half_vector_arm.c */
 
-#if defined(__ARM_FEATURE_DSP) && defined(__ARM_FEATURE_UNALIGNED) && __ARM_ARCH_PROFILE == 'M' &&                     \
-    !defined(__ARM_BIG_ENDIAN)
-#define HALF_VECTOR_DSP
+#if defined(__ARM_FEATURE_UNALIGNED) && defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' &&                    \
+    __ARM_ARCH_ISA_THUMB == 2 && !defined(__ARM_BIG_ENDIAN)
+#define HALF_VECTOR_ARM
 #endif
 
 /* What is used for tables with and without a re-packed copy. */
-#ifdef HALF_VECTOR_DSP
-#define HALF_VECTOR_PACKED raster_half_vector_dsp
+#ifdef HALF_VECTOR_ARM
+#define HALF_VECTOR_PACKED raster_half_vector_arm
 #else
 #define HALF_VECTOR_PACKED raster_half_vector_packed
 #endif

@@ -1,42 +1,19 @@
 /*
- * The re-packed half-vector table over a block, for ARM cores with the DSP instructions: half_vector.h's arithmetic, instruction by
- * instruction, since a compiler runs out of registers. A word of the copy has two planes' 15 bits, which one smuad weighs.
+ * half_vector_arm.h's loop for cores with DSP instructions. A word of the table's copy has two planes' 15 bits, which one smuad
+ * weighs.
+ * At sp: 0 a.dx, z.dx, b.dx; 12 a, z, b, term at x = 0 of the row r2; 28 term.dx; 32 l.xy, l.z; 40 struct half_vector_loop; 80 unlit
+ * pixels; 84 a.base, z.base, a.dy, z.dy; 100 b.base, term.base, b.dy, term.dy. z: those of a and b in a word.
  */
-#include "half_vector.h"
+#include "half_vector_arm.h"
 
-#ifdef HALF_VECTOR_DSP
-
-/* One light and table: what the loop copies to its own stack. */
-struct constants {
-    uintptr_t warp;  /* where a node of index 0 would be: clz gives 19 for the first */
-    uint32_t half;   /* 1/2 of the ratio, 22 fraction bits */
-    uint32_t width;  /* (T-1) << 6 | bytes of a node << 16 */
-    uint32_t height; /* H-1 | bytes of a row << 16 */
-    const uint32_t *slabs;
-    int32_t top;
-    uint32_t colour[3];
-    const struct raster_batch_pixel *end;
-};
-_Static_assert(sizeof(struct constants) == 40 && offsetof(struct raster_block_light, l_z) == 52 && PLANE_B_XY == 1 &&
-                   PLANE_AB_Z == 2 && PLANE_TERM == 3,
-               "the loop's offsets");
-
-/*
- * Out: in the low word the end, or the first pixel whose cell is brighter than the scale's top; in the high word how many before it
- * the light does not reach. In: H <= 64, so that the warp's coordinates are positive as 16-bit numbers. A step of the warp is
- * loaded as one unaligned word.
- * At sp: 0 a.dx, z.dx, b.dx; 12 a, z, b, term at x = 0 of the row r2; 28 term.dx; 32 l.xy, l.z; 40 struct constants; 80 unlit pixels;
- * 84 a.base, z.base, a.dy, z.dy; 100 b.base, term.base, b.dy, term.dy.
- */
-uint64_t raster_half_vector_dsp_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
-                                     const struct raster_block_light *light, const struct constants *k);
+#if defined(HALF_VECTOR_ARM) && defined(__ARM_FEATURE_DSP)
 __asm__("    .syntax unified\n"
-        "    .section .text.raster_half_vector_dsp_loop, \"ax\", %progbits\n"
-        "    .global raster_half_vector_dsp_loop\n"
-        "    .type   raster_half_vector_dsp_loop, %function\n"
+        "    .section .text.raster_half_vector_loop, \"ax\", %progbits\n"
+        "    .global raster_half_vector_loop\n"
+        "    .type   raster_half_vector_loop, %function\n"
         "    .thumb_func\n"
         "    .p2align 3\n"
-        "raster_half_vector_dsp_loop:\n"
+        "raster_half_vector_loop:\n"
         "    push    {r4-r11, lr}\n"
         "    sub     sp, sp, #116\n"
         "    add     lr, sp, #40\n"
@@ -191,33 +168,7 @@ __asm__("    .syntax unified\n"
         "7:  ldr     r1, [sp, #80]\n"
         "    add     sp, sp, #116\n"
         "    pop     {r4-r11, pc}\n"
-        "    .size   raster_half_vector_dsp_loop, . - raster_half_vector_dsp_loop\n"
+        "    .size   raster_half_vector_loop, . - raster_half_vector_loop\n"
         "    .text\n");
-
-uint32_t raster_half_vector_dsp(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
-                                const struct raster_block_light *light)
-{
-    if (table->height > 64)
-        return raster_half_vector_packed(b, first, end, table, light);
-    const struct half_vector_constants c = half_vector_constants_find(table, light);
-    const struct constants k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
-                                .half = (1u << 21) - 64,
-                                .width = (table->width - 1) << 6 | 12 << 16,
-                                .height = (table->height - 1) | 12 * table->width << 16,
-                                .slabs = table->slabs,
-                                .top = c.top,
-                                .colour = {c.colour[0], c.colour[1], c.colour[2]},
-                                .end = &b->pixel[end]};
-    uint32_t lit = end - first;
-    for (uint32_t i = first; i < end; i++) {
-        const uint64_t out = raster_half_vector_dsp_loop(&b->pixel[i], b->radiance[i], light, &k);
-        const struct raster_batch_pixel *bright = (const struct raster_batch_pixel *)(uintptr_t)(uint32_t)out;
-        lit -= (uint32_t)(out >> 32);
-        i = (uint32_t)(bright - b->pixel);
-        if (i < end)
-            raster_half_vector_packed(b, i, i + 1, table, light);
-    }
-    return lit;
-}
 
 #endif

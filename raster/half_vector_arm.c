@@ -1,0 +1,40 @@
+/*
+ * Sets the loops of half_vector_arm.h to work. Pixels that they do not take, brighter than a scale can say, are portable C's.
+ */
+#include "half_vector_arm.h"
+
+#ifdef HALF_VECTOR_ARM
+
+#ifdef __ARM_FEATURE_DSP
+#define LOOP_MAX_H 64
+#else
+#define LOOP_MAX_H LUT_MAX_H
+#endif
+
+uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
+                                const struct raster_block_light *light)
+{
+    if (table->height > LOOP_MAX_H)
+        return raster_half_vector_packed(b, first, end, table, light);
+    const struct half_vector_constants c = half_vector_constants_find(table, light);
+    const struct half_vector_loop k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
+                                       .half = (1u << 21) - 64,
+                                       .width = (table->width - 1) << 6 | 12 << 16,
+                                       .height = (table->height - 1) | 12 * table->width << 16,
+                                       .slabs = table->slabs,
+                                       .top = c.top,
+                                       .colour = {c.colour[0], c.colour[1], c.colour[2]},
+                                       .end = &b->pixel[end]};
+    uint32_t lit = end - first;
+    for (uint32_t i = first; i < end; i++) {
+        const uint64_t out = raster_half_vector_loop(&b->pixel[i], b->radiance[i], light, &k);
+        const struct raster_batch_pixel *bright = (const struct raster_batch_pixel *)(uintptr_t)(uint32_t)out;
+        lit -= (uint32_t)(out >> 32);
+        i = (uint32_t)(bright - b->pixel);
+        if (i < end)
+            raster_half_vector_packed(b, i, i + 1, table, light);
+    }
+    return lit;
+}
+
+#endif
