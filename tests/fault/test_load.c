@@ -181,7 +181,7 @@ static void push_with_fault(uint32_t slot, struct table *t, unsigned fault)
         enumerate();
         assert_true(ask(USB_MSG_INFO, NULL, 0, &info, sizeof info));
         if (!done && fault == 5 && info.upload_slot == slot &&
-            info.upload_length == t->bytes) { /* it goes on from the last mark */
+            info.upload_crc == crc32(0, t->data, (uInt)t->bytes)) { /* it goes on from the last mark */
             assert_int_equal(info.upload_found, crc32(0, t->data, info.upload_received));
             assert_true(send_part(slot, t, info.upload_received, (uint32_t)t->bytes) && commit());
             done = true;
