@@ -41,3 +41,9 @@ $(B)/bench/bench_llvmpipe: $(B)/host/tests/bench/bench_llvmpipe.o $(LIBS)
 $(B)/bench/six_knots.blob: host_tools/scenes/six_knots.json $(B)/gtscene
 	@mkdir -p $(@D)
 	$(B)/gtscene build $< -o $@
+
+# Speaks of the reference alone.
+$(B)/bench/bench_models: $(B)/host/tests/bench/bench_models.o $(B)/libreference.a
+	@mkdir -p $(@D)
+	$(CC) -o $@ $^ -lm
+bench-built shade-rows: $(B)/bench/bench_models
