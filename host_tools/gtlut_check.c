@@ -116,8 +116,13 @@ static void print_text(const struct check *c, unsigned set)
              "theta_in %g: albedo %.3f %.3f %.3f measured, %.3f %.3f %.3f carried on to the horizon",
              c->slices[i].theta_in, a[0], a[1], a[2], b[0], b[1], b[2]);
     }
-    line(set, QUANTITY, "%s (exponent of the cosine %.2f by reciprocity, %.2f by trend)", quantity_texts[c->quantity],
-         c->exponent, c->trend);
+    char exponent[32] = "unknown", trend[32] = "unknown";
+    if (isfinite(c->exponent))
+        snprintf(exponent, sizeof exponent, "%.2f", c->exponent);
+    if (isfinite(c->trend))
+        snprintf(trend, sizeof trend, "%.2f", c->trend);
+    line(set, QUANTITY, "%s (exponent of the cosine %s by reciprocity, %s by trend)", quantity_texts[c->quantity],
+         exponent, trend);
 }
 
 static void print_json_slice(const struct check_slice *s)

@@ -41,28 +41,47 @@ static double luminance(const struct check_slice *s, size_t cell)
     return s->state[cell] == CHECK_MISSING ? NAN : 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
 }
 
+/* One point of a curve; what was not measured goes into a column of its own. */
+static void put_sample(FILE *f, double range[2], const struct check_slice *s, size_t row, size_t column, double sign)
+{
+    size_t cell = row * s->phi_count + column;
+    double y = luminance(s, cell);
+    bool measured = s->state[cell] == CHECK_GOOD;
+    if (!(y > 0) || !isfinite(y)) {
+        fprintf(f, "%g NaN NaN\n", sign * s->theta_out[row]);
+        return;
+    }
+    range[0] = fmin(range[0], y);
+    range[1] = fmax(range[1], y);
+    fprintf(f, measured ? "%g %g NaN\n" : "%g NaN %g\n", sign * s->theta_out[row], y);
+}
+
 /* The plane of incidence: theta_out below 0 on the light's side. */
 static void plot_plane(FILE *f, const struct check *c)
 {
     size_t curves = c->count < MAX_CURVES ? c->count : MAX_CURVES;
+    double range[2] = {INFINITY, 0};
     for (size_t i = 0; i < curves; i++) {
         const struct check_slice *s = &c->slices[curve_slice(c, i, curves)];
         size_t back = column_near(s, 0), front = column_near(s, 180);
         fprintf(f, "$plane%zu << E\n", i);
         for (size_t row = s->theta_count; row-- > 0;)
-            fprintf(f, "%g %g\n", -s->theta_out[row], luminance(s, row * s->phi_count + back));
+            put_sample(f, range, s, row, back, -1);
         for (size_t row = 0; row < s->theta_count; row++)
-            fprintf(f, "%g %g\n", s->theta_out[row], luminance(s, row * s->phi_count + front));
+            put_sample(f, range, s, row, front, 1);
         fputs("E\n", f);
     }
-    fputs("set title 'Plane of incidence'\nset xlabel 'theta_{out} in degrees (below 0: the side of the light)'\n"
-          "set ylabel 'BRDF, luminance, 1/sr'\nset logscale y\nset format y '10^{%T}'\nset xrange [-90:90]\nset xtics "
-          "30\nset key "
-          "top left\nplot ",
-          f);
+    fprintf(f,
+            "set title 'Plane of incidence (dotted: not measured)'\n"
+            "set xlabel 'theta_{out} in degrees (below 0: the side of the light)'\n"
+            "set ylabel 'BRDF, luminance, 1/sr'\nset logscale y\nset format y '10^{%%T}'\nset xrange [-90:90]\n"
+            "set yrange [%g:%g]\nset xtics 30\nset key top left\nplot -1 notitle",
+            range[1] > 0 ? range[0] / 4 : 0.1, range[1] > 0 ? 4 * range[1] : 1);
     for (size_t i = 0; i < curves; i++)
-        fprintf(f, "%s$plane%zu using 1:($2 > 0 ? $2 : NaN) with lines lw 1.5 lc rgb '%s' title 'theta_{in} %g°'",
-                i ? ", " : "", i, colours[i % COLOURS], c->slices[curve_slice(c, i, curves)].theta_in);
+        fprintf(f,
+                ", $plane%zu using 1:2 with lines lw 1.5 lc rgb '%s' title 'theta_{in} %g°', '' using 1:3 with lines "
+                "lw 1.5 dt 3 lc rgb '%s' notitle",
+                i, colours[i % COLOURS], c->slices[curve_slice(c, i, curves)].theta_in, colours[i % COLOURS]);
     fputs("\nunset logscale y\nset format y '%g'\n", f);
 }
 
@@ -127,8 +146,8 @@ static void plot_states(FILE *f, const struct check *c)
             "set key inside top center horizontal maxrows 2\n",
             s->theta_in);
     for (int state = 0; state <= CHECK_OUTLIER; state++) {
-        /* Measured ones are many and alike: every third row and ninth column of a fine grid shows them. */
-        bool thin = state == CHECK_GOOD && s->theta_count * s->phi_count > 5000;
+        /* Every third row and ninth column of a fine grid shows where there are many. */
+        bool thin = count[state] > 5000;
         fprintf(f, "$state%d << E\n-1000 -1000\n", state);
         for (size_t k = 0; k < s->theta_count * s->phi_count; k++)
             if (s->state[k] == state && !(thin && (k / s->phi_count % 3 || k % s->phi_count % 9)))
