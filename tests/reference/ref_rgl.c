@@ -167,3 +167,23 @@ void ref_rgl_value(double rgb[3], const struct ref_rgl *r, const double wi[3], c
         rgb[c] = fmax(x * scale, 0);
     }
 }
+
+double ref_rgl_angle(const struct ref_rgl *r, int index)
+{
+    return (double)r->theta_i.data[index];
+}
+
+void ref_rgl_terms(double terms[3], const struct ref_rgl *r, double theta_i, double theta_m, double phi)
+{
+    double u = sqrt(2 * theta_m / pi), v = fmod(phi / (2 * pi) + 1.5, 1);
+    int s = 0, height = r->vndf.shape[2], width = r->vndf.shape[3];
+    for (int i = 0; i < r->theta_i.shape[0]; i++)
+        if (fabs((double)r->theta_i.data[i] - theta_i) < fabs((double)r->theta_i.data[s] - theta_i))
+            s = i;
+    /* per unit of u and v, and d omega = sin(theta_m) d theta d phi with theta = pi u^2/2, phi = 2 pi v */
+    double per_uv =
+        image(r->vndf.data + (long)s * height * width, height, width, u, v) / r->volume[s] * (height - 1) * (width - 1);
+    terms[0] = per_uv / (2 * pi * pi * u * sin(theta_m));
+    terms[1] = image(r->ndf.data, r->ndf.shape[0], r->ndf.shape[1], u, v);
+    terms[2] = image(r->sigma.data, r->sigma.shape[0], r->sigma.shape[1], sqrt(2 * theta_i / pi), 0.5);
+}
