@@ -108,14 +108,10 @@ static void abort_serve(struct app *app)
 
 static void verify_serve(struct app *app)
 {
-    uint32_t slot = app->protocol.payload[0], bytes;
-    if (slot >= app->store.slot_count) {
-        reply(app, USB_ERR_SLOT, app->store.slot_count);
-        return;
-    }
-    const uint8_t *content = table_store_content(&app->store, slot, &bytes);
+    uint32_t slot = app->protocol.payload[0], slots = app->store.slot_count, bytes;
+    const uint8_t *content = slot < slots ? table_store_content(&app->store, slot, &bytes) : NULL;
     if (!content) {
-        reply(app, USB_ERR_STATE, 0);
+        reply(app, slot < slots ? USB_ERR_STATE : USB_ERR_SLOT, slot < slots ? 0 : slots);
         return;
     }
     uint32_t n = bytes - app->verified < VERIFY_BYTES ? bytes - app->verified : VERIFY_BYTES;
