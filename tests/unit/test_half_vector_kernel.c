@@ -1,0 +1,251 @@
+/*
+ * The kernels of the half-vector table on batches made by hand: all give the same bits, whatever the table, the planes and the light;
+ * and those are what lut_eval says, at one pixel whose planes are exact.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "half_vector.h"
+#include "ref_table.h"
+
+static uint64_t seed = 1;
+
+static uint32_t random32(void)
+{
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    uint32_t x = (uint32_t)(seed >> 33);
+    return x * 2654435761u ^ x >> 15;
+}
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * random32() * 0x1p-32;
+}
+
+static void random_direction(double v[3])
+{
+    double z = uniform(-1, 1), a = uniform(0, 6.283185307179586), r = sqrt(1 - z * z);
+    v[0] = r * cos(a), v[1] = r * sin(a), v[2] = z;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static struct vec3 quantise(const double v[3])
+{
+    int32_t q[3];
+    for (int i = 0; i < 3; i++)
+        q[i] = fx_clamp((int32_t)lrint(v[i] * 32768), -32767, 32767);
+    return (struct vec3){q[0], q[1], q[2]};
+}
+
+struct table {
+    uint32_t *texels;
+    void *file;
+    struct lut_table lut;
+};
+
+/* Random mantissas and exponents from `exponent` on, constant in t where the azimuth is undefined; with the re-packed copy. */
+static struct table make_table(unsigned h, unsigned d, unsigned t, unsigned exponent, unsigned exponents, double width,
+                               int scale)
+{
+    struct ref_half f = {.t = t, .h = h, .d = d, .scale = scale, .slabs = 1};
+    struct table out = {.texels = malloc(sizeof(uint32_t) * t * h * d)};
+    size_t bytes;
+    for (unsigned i = 0; i < t * h * d; i++) {
+        bool constant = i % t > 0 && (i / t < h || i / t % h == 0);
+        out.texels[i] = constant ? out.texels[i - 1]
+                                 : (random32() & 0x7ffffff) | 0x100u << random32() % 3 * 9 |
+                                       (exponent + random32() % exponents) << 27;
+    }
+    f.texels = out.texels;
+    ref_half_warp(&f, width);
+    out.file = ref_half_make(&f, &bytes);
+    assert_int_equal(lut_open(&out.lut, out.file, bytes), LUT_OK);
+    assert_non_null(out.lut.slabs);
+    return out;
+}
+
+static void free_table(struct table *t)
+{
+    free(t->texels);
+    free(t->file);
+}
+
+/* A plane of two unit vectors' components in a block of 16 x 16, within 32767 everywhere. */
+static struct raster_plane random_lanes(int32_t low, int32_t high)
+{
+    uint32_t lane[2][3];
+    for (int k = 0; k < 2; k++) {
+        int32_t base = k ? high : low, dx = (int32_t)(random32() % 401) - 200, dy = (int32_t)(random32() % 401) - 200;
+        base -= 8 * (dx + dy);
+        base =
+            fx_clamp(base, -32767 - 15 * (fx_min(dx, 0) + fx_min(dy, 0)), 32767 - 15 * (fx_max(dx, 0) + fx_max(dy, 0)));
+        lane[k][0] = (uint32_t)base, lane[k][1] = (uint32_t)dx, lane[k][2] = (uint32_t)dy;
+    }
+    return (struct raster_plane){lane[0][0] + (lane[1][0] << 16), lane[0][1] + (lane[1][1] << 16),
+                                 lane[0][2] + (lane[1][2] << 16)};
+}
+
+static void random_light(struct raster_block_light *light, const struct lut_table *t)
+{
+    double a[3], b[3], l[3];
+    random_direction(a), random_direction(b), random_direction(l);
+    struct vec3 qa = quantise(a), qb = quantise(b), ql = quantise(l);
+    int32_t last = (int32_t)((t->depth - 1) << TERM_D_BITS) - 1, dx = (int32_t)(random32() % (unsigned)(last / 32)),
+            dy = (int32_t)(random32() % (unsigned)(last / 32)),
+            base = (int32_t)(random32() % (unsigned)(last - 15 * (dx + dy) + 1));
+    memset(light, 0, sizeof *light);
+    light->plane[PLANE_A_XY] = random_lanes(qa.x, qa.y);
+    light->plane[PLANE_B_XY] = random_lanes(qb.x, qb.y);
+    light->plane[PLANE_AB_Z] = random_lanes(qa.z, qb.z);
+    light->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)base, (uint32_t)dx, (uint32_t)dy};
+    if (random32() % 2) /* falls towards the right */
+        light->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)(base + 15 * dx), -(uint32_t)dx, (uint32_t)dy};
+    light->l_xy = lanes(ql.x, ql.y);
+    light->l_z = ql.z;
+    unsigned dark = random32() % 28;
+    for (int k = 0; k < 3; k++)
+        light->colour[k] = random32() % 5 ? random32() >> dark : 0;
+}
+
+static void random_batch(struct raster_batch *b)
+{
+    memset(b, 0, sizeof *b);
+    b->count = RASTER_BATCH;
+    for (uint32_t i = 0, at = 0; i < RASTER_BATCH; i++, at += 1 + random32() % 3) {
+        double n[3];
+        random_direction(n);
+        struct vec3 q = quantise(n);
+        int32_t nv = (int32_t)(random32() >> (2 + random32() % 8));
+        b->pixel[i] =
+            (struct raster_batch_pixel){lanes(q.x, q.y), q.z, fx_max(nv, 1 << 22), (at & 15) | (at >> 4 & 15) << 8};
+        for (int k = 0; k < 3; k++)
+            b->radiance[i][k] = random32() >> 1;
+    }
+}
+
+static void kernels_give_the_same_bits(void **state)
+{
+    static const struct {
+        unsigned h, d, t, exponent, exponents;
+        int scale;
+    } size[] = {{64, 32, 8, 8, 12, 0}, {2, 2, 2, 0, 32, 0},    {128, 64, 8, 0, 32, -3}, {65, 3, 32, 20, 12, 2},
+                {21, 16, 3, 12, 4, 0}, {32, 24, 5, 5, 20, 16}, {7, 128, 5, 0, 32, -16}};
+    static struct raster_batch plain, packed, chosen;
+    uint32_t lit = 0, bright = 0;
+    (void)state;
+    for (unsigned i = 0; i < sizeof size / sizeof *size; i++) {
+        struct table t = make_table(size[i].h, size[i].d, size[i].t, size[i].exponent, size[i].exponents,
+                                    exp(uniform(-6, 0)), size[i].scale);
+        for (int k = 0; k < 60; k++) {
+            struct raster_block_light light;
+            random_light(&light, &t.lut);
+            random_batch(&plain);
+            packed = chosen = plain;
+            const struct raster_batch before = plain;
+            const uint32_t first = random32() % 4, end = RASTER_BATCH - random32() % 4;
+            uint32_t count = raster_half_vector_plain(&plain, first, end, &t.lut, &light);
+            assert_int_equal(raster_half_vector_packed(&packed, first, end, &t.lut, &light), count);
+            assert_memory_equal(&packed, &plain, sizeof plain);
+            assert_int_equal(HALF_VECTOR_PACKED(&chosen, first, end, &t.lut, &light), count);
+            assert_memory_equal(&chosen, &plain, sizeof plain);
+            assert_int_equal(HALF_VECTOR_PLAIN((chosen = before, &chosen), first, end, &t.lut, &light), count);
+            assert_memory_equal(&chosen, &plain, sizeof plain);
+            for (uint32_t p = 0; p < RASTER_BATCH; p++)
+                for (int c = 0; c < 3; c++) {
+                    uint32_t added = plain.radiance[p][c] - before.radiance[p][c];
+                    assert_true(added <= RASTER_LIGHT_LIMIT && (added == 0 || (p >= first && p < end)));
+                    bright += added == RASTER_LIGHT_LIMIT;
+                }
+            lit += count;
+        }
+        free_table(&t);
+    }
+    assert_true(lit > 7 * 60 * RASTER_BATCH / 4 && bright > 100);
+}
+
+/* One pixel: planes that are exact, so that only the kernel's own fractions and sums err. */
+static bool one_pixel(struct raster_batch *b, struct raster_block_light *light, const struct lut_table *t,
+                      const double n[3], const double l[3], const double v[3])
+{
+    double h[3], d[3], c[3], h2 = 0, d2 = 0;
+    struct vec3 qn = quantise(n), ql = quantise(l);
+    for (int i = 0; i < 3; i++) {
+        h[i] = l[i] + v[i], d[i] = l[i] - v[i];
+        c[i] = l[(i + 1) % 3] * v[(i + 2) % 3] - l[(i + 2) % 3] * v[(i + 1) % 3];
+        h2 += h[i] * h[i], d2 += d[i] * d[i];
+    }
+    if (dot(n, v) < 1.0 / 128 || dot(n, l) < 1.0 / 128 || d2 < 0.01 || h2 < 0.01)
+        return false;
+    for (int i = 0; i < 3; i++)
+        d[i] /= sqrt(d2), c[i] *= 2 / sqrt(h2 * d2);
+    struct vec3 qa = quantise(d), qb = quantise(c);
+    uint32_t term = lut_d_coordinate(t, (uint32_t)lrint(sqrt(d2) / 2 * 0x1p27), (uint32_t)lrint(sqrt(h2) / 2 * 0x1p27));
+    memset(light, 0, sizeof *light);
+    light->plane[PLANE_A_XY].base = lanes(qa.x, qa.y);
+    light->plane[PLANE_B_XY].base = lanes(qb.x, qb.y);
+    light->plane[PLANE_AB_Z].base = lanes(qa.z, qb.z);
+    light->plane[PLANE_TERM].base = term >> (LUT_D_BITS - TERM_D_BITS);
+    light->l_xy = lanes(ql.x, ql.y);
+    light->l_z = ql.z;
+    for (int k = 0; k < 3; k++)
+        light->colour[k] = 65536;
+    memset(b, 0, sizeof *b);
+    b->count = 1;
+    b->pixel[0] = (struct raster_batch_pixel){lanes(qn.x, qn.y), qn.z, (int32_t)lrint(dot(n, v) * 0x1p30), 0};
+    return true;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Fractions are cut to 6 bits (d) and 8 (t); neighbours are noise within a factor of 2. In units of the largest value around. */
+static void kernel_agrees_with_lut_eval(void **state)
+{
+    enum { COUNT = 20000 };
+    static double e[COUNT];
+    static struct raster_batch b;
+    struct raster_block_light light;
+    struct table t = make_table(64, 32, 8, 15, 1, 0.3, 0);
+    (void)state;
+    for (unsigned i = 0; i < COUNT;) {
+        double n[3], l[3], v[3];
+        random_direction(n), random_direction(l), random_direction(v);
+        if (!one_pixel(&b, &light, &t.lut, n, l, v))
+            continue;
+        struct lut_rgb f;
+        lut_eval(&f, &t.lut, quantise(n), quantise(l), quantise(v));
+        assert_int_equal(HALF_VECTOR_PACKED(&b, 0, 1, &t.lut, &light), 1);
+        double share = dot(n, l) / (dot(n, l) + dot(n, v)); /* the largest is 511/512 */
+        e[i] = 0;
+        for (int c = 0; c < 3; c++)
+            e[i] = fmax(e[i], fabs(b.radiance[0][c] * 0x1p-20 - ldexp(f.c[c], f.e) * dot(n, l)) / share);
+        i++;
+    }
+    qsort(e, COUNT, sizeof *e, compare_doubles);
+    print_message("# error median %.5f, p99 %.5f, p99.9 %.5f, max %.5f\n", e[COUNT / 2], e[COUNT - COUNT / 100],
+                  e[COUNT - COUNT / 1000], e[COUNT - 1]);
+    assert_true(e[COUNT / 2] < 0.006 && e[COUNT - COUNT / 100] < 0.03 && e[COUNT - 1] < 0.2);
+    free_table(&t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_give_the_same_bits),
+        cmocka_unit_test(kernel_agrees_with_lut_eval),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
