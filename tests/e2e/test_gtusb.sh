@@ -299,6 +299,16 @@ check push_after_unplug_goes_on_where_it_stopped grep -q '^resumed after [0-9]* 
 expect info_tells_how_far_a_push_got 0 $'.*upload +[1-9][0-9]* of '"$bytes"$' bytes; push .*"received": [1-9].*' \
     'gtusb: push: USB: the device was unplugged; .*' loaded --unplug-after 30000 -- \
     bash -c 'gtusb push "$work/gold.ktx2" --slot 1; sleep 0.6; gtusb info && gtusb info --json'
+loss_of_power() { # the device with its flash, cable pulled in mid-push; then another life of it
+    cp "$work/flash" "$work/flash.cut" || return 1
+    gtsim run $bank --flash "$work/flash.cut" --unplug-after 12000 -- gtusb push "$work/green.ktx2" --slot 1
+    [ $? = 8 ] || return 1
+    gtsim run $bank --flash "$work/flash.cut" -- bash -c 'gtusb info && gtusb push "$work/green.ktx2" --slot 1 &&
+        gtusb verify "$work/green.ktx2" --slot 1' >"$work/cut.out" || return 1
+    grep -q '^upload *[1-9][0-9]* of [0-9]* bytes; push' "$work/cut.out" && grep -q '^resumed after [1-9][0-9]* bytes' "$work/cut.out" &&
+        grep -q '^green.ktx2 is in table slot 1' "$work/cut.out"
+}
+check push_goes_on_after_a_loss_of_power loss_of_power
 before_and_after silent_device_times_out_and_keeps_the_table 8 'gtusb: push: USB: no answer within .* s; .*' \
     --freeze-after 30000 "$push --timeout 0.05"
 before_and_after interrupt_with_a_silent_device 130 'gtusb: push: interrupted; the device keeps what it had' \
