@@ -26,7 +26,7 @@ BENCH_FRAME_TABLES := 64K 64K_packed specular_frame
 $(BENCH_FRAME_TABLES:%=$(B)/bench/six_models_%.img): $(B)/bench/six_models_%.img: $(B)/board/make_image $(B)/demo/six_models.blob \
     $(foreach m,$(MATERIALS),$(B)/bench/$(m)_%.ktx2)
 	$< $@ 256 264 $(filter-out $<,$^)
-BENCH_SHADE := $(BENCH_RGL) $(B)/bench/bench_shade $(B)/gtscene $(foreach t,cortex-m3 cortex-m4 cortex-m7,$(B)/board/$(t)/shade.elf) \
+BENCH_SHADE := $(BENCH_RGL) $(B)/bench/bench_shade $(B)/gtscene $(B)/board/trace.so $(foreach t,cortex-m3 cortex-m4 cortex-m7,$(B)/board/$(t)/shade.elf) \
     $(foreach s,$(BENCH_SIZES),$(B)/bench/gold_$(s).ktx2 $(B)/bench/gold_$(s)_packed.ktx2) \
     $(foreach s,$(BENCH_FRAME_TABLES),$(B)/bench/six_models_$(s).img)
 bench-built: $(BENCH_SHADE)
@@ -41,9 +41,13 @@ $(B)/bench/bench_llvmpipe: $(B)/host/tests/bench/bench_llvmpipe.o $(LIBS)
 $(B)/bench/six_knots.blob: host_tools/scenes/six_knots.json $(B)/gtscene
 	@mkdir -p $(@D)
 	$(B)/gtscene build $< -o $@
-
-# Speaks of the reference alone.
-$(B)/bench/bench_models: $(B)/host/tests/bench/bench_models.o $(B)/libreference.a
+bench-built: $(B)/bench/six_knots.blob
+.PHONY: contact-sheet contact-sheet-built
+contact-sheet: deps-demo ## write build/bench/contact_sheet.png: materials by table sizes and models, with differences, to be looked at
+	$(AGAIN) contact-sheet-built
+# Beside the program, where it looks for it.
+$(B)/bench/goniotile_oiio.so: $(B)/goniotile_oiio.so
 	@mkdir -p $(@D)
-	$(CC) -o $@ $^ -lm
-bench-built shade-rows: $(B)/bench/bench_models
+	cp $< $@
+contact-sheet-built: $(B)/gtlut $(B)/gtscene $(B)/bench/goniotile_oiio.so $(B)/bench/contact_sheet
+	@B=$(B) tests/bench/contact_sheet.sh

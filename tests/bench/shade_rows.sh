@@ -8,6 +8,8 @@
 #                                 tests/board/shade/main.c on boards, callgrind on x86-64
 #   gather_instructions_per_pixel what shading a covered pixel takes besides, without tone curve and packing
 #   ns_per_pixel_light            one thread; ns_per_covered_pixel_light: of all covered pixels' lights
+#   cycles_per_pixel_light_mca    llvm-mca's model of Cortex-M7 over instructions as they are executed amid the sphere in the model's functions,
+#                                 branches predicted and caches that hit, times instructions_per_pixel_light
 #   steps_*, within_1_step        the integers against double precision from the same table and normals: 8-bit steps, share of channels
 set -eu
 cd "$(dirname "$0")/../.."
@@ -38,6 +40,19 @@ ratio() { # decimals a b
     awk -v d="$1" -v a="$2" -v b="$3" 'BEGIN { printf "%." d "f", a / b }'
 }
 
+# Cycles per instruction by llvm-mca, in the functions that evaluate models and tables.
+cycles_per_instruction() { # target input
+    local names=raster_half_vector:raster_shade_half_vector:raster_shade_specular_frame:raster_shade_lafortune_phong:raster_shade_blinn_phong
+    local program=$B/board/$1/shade.elf count=100000
+    names+=:raster_shade_metallic_roughness:lut_specular_frame:lut_interpolate:lut_angle:lut_turn
+    tests/board/run.sh "$1" "$program" "$2" -plugin "$B/board/trace.so,names=$names,skip=200000,count=$count" >"$work/out" 2>"$work/trace"
+    [ "$(wc -l <"$work/trace")" = $count ] || { echo "shade_rows: $1: no trace" >&2; exit 1; }
+    arm-none-eabi-objdump -d --no-show-raw-insn "$program" >"$work/disassembly"
+    awk -f tests/bench/trace_text.awk "$work/disassembly" "$work/trace" >"$work/trace.s"
+    llvm-mca-14 -mtriple=thumbv7em-none-eabi -mcpu="$1" -iterations=1 "$work/trace.s" 2>"$work/log" |
+        awk -v n=$count '$1 == "Total" && $2 == "Cycles:" { printf "%.4f", $3 / n }'
+}
+
 # Against double precision. Leaves the hash of the radiances in $hash.
 errors() { # material variant input
     local line
@@ -65,6 +80,9 @@ shading() { # material variant kind [table]
         line=$(tests/board/run.sh $target "$B/board/$target/shade.elf" "$input") || { echo "shade_rows: $target: $variant: $line" >&2; exit 1; }
         [ "$(field "$line" hash)" = "$hash" ] || { echo "shade_rows: $target: $variant: other radiances than on x86-64" >&2; exit 1; }
         row "$target" "$material" "$variant" instructions_per_pixel_light "$(field "$line" per_pixel_light)" instructions
+        [ $target != cortex-m7 ] ||
+            row $target "$material" "$variant" cycles_per_pixel_light_mca \
+                "$(awk -v n="$(field "$line" per_pixel_light)" -v c="$(cycles_per_instruction $target "$input")" 'BEGIN { if (c) printf "%.1f", n * c }')" cycles
         row "$target" "$material" "$variant" gather_instructions_per_pixel "$(field "$line" gather)" instructions
     done
 }
@@ -116,4 +134,3 @@ frame_rows() { # variant tables_suffix
 frame_rows full 64K_packed
 frame_rows full_portable 64K
 frame_rows full_specular_frame specular_frame
-"$B/bench/bench_models"

@@ -142,7 +142,7 @@ boards-built: boards-build
 check-built: boards-build $(if $(WORK_MESH),$(WORK_BLOBS))
 bench-built: boards-build $(B)/board/cortex-m4/push.elf $(if $(WORK_MESH),$(WORK_PROGRAMS))
 
-$(B)/board/profile.so: tests/board/profile.c
+$(B)/board/profile.so $(B)/board/trace.so: $(B)/board/%.so: tests/board/%.c tests/board/qemu_plugin.h
 	@mkdir -p $(@D)
 	$(CC) -std=gnu11 -O2 -g $(WARN) -fPIC -shared -o $@ $<
 TARGET ?= cortex-m7

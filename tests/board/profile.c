@@ -1,31 +1,14 @@
 /*
  * Plugin for QEMU: instructions executed per function of the emulated program, most first, on stderr at its end. Functions
  * inlined into others count there.
- *
- * The prototypes are QEMU's plugin interface, version 1 (its header is not packaged).
  */
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "qemu_plugin.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define EXPORT __attribute__((visibility("default")))
-#define ADD    0 /* QEMU_PLUGIN_INLINE_ADD_U64 */
-
-struct qemu_plugin_tb;
-struct qemu_plugin_insn;
-size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb *tb);
-struct qemu_plugin_insn *qemu_plugin_tb_get_insn(const struct qemu_plugin_tb *tb, size_t index);
-const char *qemu_plugin_insn_symbol(const struct qemu_plugin_insn *insn);
-void qemu_plugin_register_vcpu_tb_trans_cb(uint64_t id, void (*callback)(uint64_t id, struct qemu_plugin_tb *tb));
-void qemu_plugin_register_vcpu_insn_exec_inline(struct qemu_plugin_insn *insn, int operation, void *counter,
-                                                uint64_t add);
-void qemu_plugin_register_atexit_cb(uint64_t id, void (*callback)(uint64_t id, void *data), void *data);
-
-EXPORT int qemu_plugin_version = 1;
-EXPORT int qemu_plugin_install(uint64_t id, const void *info, int argc, char **argv);
+int qemu_plugin_version = 1;
 
 #define MAX_FUNCTIONS 1000
 static struct function {
@@ -51,7 +34,7 @@ static void translated(uint64_t id, struct qemu_plugin_tb *tb)
     for (size_t i = 0; i < qemu_plugin_tb_n_insns(tb); i++) {
         struct qemu_plugin_insn *insn = qemu_plugin_tb_get_insn(tb, i);
         const char *name = qemu_plugin_insn_symbol(insn);
-        qemu_plugin_register_vcpu_insn_exec_inline(insn, ADD, counter_of(name ? name : "?"), 1);
+        qemu_plugin_register_vcpu_insn_exec_inline(insn, PLUGIN_ADD, counter_of(name ? name : "?"), 1);
     }
 }
 

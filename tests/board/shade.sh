@@ -21,7 +21,7 @@ programs=("$B/gtscene")
 options=()
 [ "$target" = input ] || programs+=("$B/board/$target/shade.elf")
 [ -z "${PROFILE-}" ] || programs+=("$B/board/profile.so") options+=(-plugin "$B/board/profile.so")
-make -s "B=$B" "${programs[@]}" >&2
+env -u MAKEFLAGS make -s "B=$B" "${programs[@]}" >&2
 mkdir -p "$B/board"
 cat >"$input.json" <<JSON
 {
