@@ -42,6 +42,13 @@ $(B)/bench/six_knots.blob: host_tools/scenes/six_knots.json $(B)/gtscene
 	@mkdir -p $(@D)
 	$(B)/gtscene build $< -o $@
 bench-built: $(B)/bench/six_knots.blob
+
+# Speaks of the reference alone.
+$(B)/bench/bench_models: $(B)/host/tests/bench/bench_models.o $(B)/libreference.a
+	@mkdir -p $(@D)
+	$(CC) -o $@ $^ -lm
+bench-built shade-rows: $(B)/bench/bench_models
+
 .PHONY: contact-sheet contact-sheet-built
 contact-sheet: deps-demo ## write build/bench/contact_sheet.png: materials by table sizes and models, with differences, to be looked at
 	$(AGAIN) contact-sheet-built

@@ -95,6 +95,12 @@ B=$B tests/board/bench.sh "$csv"
 B=$B tests/bench/mca.sh >>"$csv"
 B=$B tests/bench/raster_rows.sh >>"$csv"
 
+# --- shading: cost and error of every table and model; beside llvmpipe ---
+B=$B tests/bench/shade_rows.sh >>"$csv"
+"$B/bench/bench_tables" >"$work/tables"
+grep -v '^#' "$work/tables" >>"$csv" || cat "$work/tables" >&2 # the data folder is missing
+B=$B tests/bench/llvmpipe_rows.sh >>"$csv"
+
 # --- USB: faults, the bus, what a push costs the device ---
 "$B/bench/bench_usb" faults >>"$csv"
 "$B/bench/bench_usb" bus "$scene" "${tables[@]}" >>"$csv"

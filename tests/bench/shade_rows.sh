@@ -134,3 +134,4 @@ frame_rows() { # variant tables_suffix
 frame_rows full 64K_packed
 frame_rows full_portable 64K
 frame_rows full_specular_frame specular_frame
+"$B/bench/bench_models"
