@@ -17,7 +17,7 @@
 
 struct bytes {
     uint8_t *data;
-    size_t count, room;
+    size_t count;
 };
 
 static char child_message[4096];
@@ -58,10 +58,7 @@ static inline int exit_code_of(void (*read)(const struct bytes *), const struct 
 __attribute__((format(printf, 2, 3))) static inline void put_text(struct bytes *b, const char *format, ...)
 {
     va_list args;
-    if (b->room - b->count < 512) {
-        b->room = b->room ? 2 * b->room : 4096;
-        b->data = xrealloc(b->data, b->room);
-    }
+    b->data = xrealloc(b->data, b->count + 512); /* one line at most */
     va_start(args, format);
     b->count += (size_t)vsnprintf((char *)b->data + b->count, 512, format, args);
     va_end(args);

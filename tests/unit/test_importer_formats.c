@@ -51,14 +51,14 @@ static void dies(const struct bytes *b, const char *message)
 
 static void text_dies(const char *text, const char *message)
 {
-    dies(&(struct bytes){(uint8_t *)text, strlen(text), 0}, message);
+    dies(&(struct bytes){(uint8_t *)text, strlen(text)}, message);
 }
 
 /* Every cut and every changed byte ends in success or in the exit code for a bad input, whatever the sanitizers watch. */
 static void damage(const struct bytes *b, size_t step)
 {
     for (size_t i = 0; i < b->count; i += step) {
-        int code = exit_code_of(read_any, &(struct bytes){b->data, i, 0});
+        int code = exit_code_of(read_any, &(struct bytes){b->data, i});
         if (code != 0 && code != EXIT_BAD_INPUT)
             fail_msg("cut to %zu bytes: exit code %d, said: %s", i, code, child_message);
         uint8_t was = b->data[i];
@@ -77,7 +77,7 @@ static void damage_lines(const struct bytes *b)
     for (size_t from = 0, to; from < b->count; from = to) {
         const uint8_t *end = memchr(b->data + from, '\n', b->count - from);
         to = end ? (size_t)(end - b->data) + 1 : b->count;
-        struct bytes without = {xmalloc(2 * b->count), b->count - (to - from), 0};
+        struct bytes without = {xmalloc(2 * b->count), b->count - (to - from)};
         memcpy(without.data, b->data, from);
         memcpy(without.data + from, b->data + to, b->count - to);
         int code = exit_code_of(read_any, &without);
@@ -448,7 +448,7 @@ static double merl_value(int h, int d, int p)
 
 static struct bytes make_merl(void)
 {
-    struct bytes b = {xcalloc(MERL_BYTES, 1), MERL_BYTES, 0};
+    struct bytes b = {xcalloc(MERL_BYTES, 1), MERL_BYTES};
     b.data[0] = b.data[4] = 90;
     b.data[8] = 180;
     static const double scale[3] = {1500, 1500 / 1.15, 1500 / 1.66};
@@ -556,7 +556,7 @@ static void negative_values_become_zero_and_raw_keeps_everything(void **state)
 {
     (void)state;
     const char *text = ANGLES "R,G,B\n0,0,0,0,1,-1,1\n0,0,0.5,0,2,2,2\n";
-    struct bytes b = {(uint8_t *)text, strlen(text), 0};
+    struct bytes b = {(uint8_t *)text, strlen(text)};
     assert_int_equal(exit_code_of(read_any, &b), 0);
     assert_non_null(strstr(child_message, "1 samples with negative values, set to 0"));
     struct measurement m;

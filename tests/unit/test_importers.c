@@ -5,55 +5,11 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "common.h"
 #include "host_csv.h"
 #include "host_measurement.h"
 #include "host_rgl.h"
+#include "importer_fixture.h"
 #include "ref_rgl.h"
-
-struct bytes {
-    uint8_t *data;
-    size_t count;
-};
-
-static char child_message[4096];
-
-/* Skips the leak check at the child's end: what it holds when it dies is no leak. */
-static void leave(int status, void *unused)
-{
-    (void)unused;
-    _exit(status);
-}
-
-/* Runs `read` on the bytes in a child process; returns its exit code and keeps what it said on stderr in child_message. */
-static int exit_code_of(void (*read)(const struct bytes *), const struct bytes *b)
-{
-    FILE *said = tmpfile();
-    assert_non_null(said);
-    fflush(NULL);
-    pid_t pid = fork();
-    assert_true(pid >= 0);
-    if (pid == 0) {
-        on_exit(leave, NULL);
-        dup2(fileno(said), 2);
-        common_set_name("test", NULL);
-        read(b);
-        _exit(0);
-    }
-    int status;
-    assert_int_equal(waitpid(pid, &status, 0), pid);
-    rewind(said);
-    child_message[fread(child_message, 1, sizeof child_message - 1, said)] = 0;
-    fclose(said);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-}
 
 static void dies(void (*read)(const struct bytes *), const struct bytes *b, const char *message)
 {
