@@ -245,5 +245,6 @@ void half_vector_build(struct half_vector *out, struct half_vector_report *repor
     samples_take(&samples, source, out);
     report->de = half_vector_fit(out, row_error, &samples, ROUNDS);
     fit_samples_free(&samples);
+    half_vector_limit_energy(out, source);
     report->seconds = seconds_now() - start;
 }

@@ -58,4 +58,7 @@ void fit_samples_free(struct fit_samples *s);
  * cell's share of the mean colour difference over the pixels; returns their sum. */
 double half_vector_fit(struct half_vector *t, double *row_error, const struct fit_samples *s, int rounds);
 
+/* Lowers planes of an encoded table where its albedo exceeds 1 and the source's by more than 2^-7. */
+void half_vector_limit_energy(struct half_vector *t, const struct brdf_source *source);
+
 #endif

@@ -278,3 +278,17 @@ void source_symmetric(double rgb[3], const struct brdf_source *s, const double l
     for (int c = 0; c < 3; c++)
         rgb[c] = (rgb[c] + one[c]) / 4;
 }
+
+static void symmetric_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
+{
+    source_symmetric(rgb, ctx, l, v);
+}
+
+void source_make_symmetric(struct brdf_source *out, const struct brdf_source *s)
+{
+    *out = *s;
+    out->value = symmetric_value;
+    out->ctx = (void *)s;
+    out->close = NULL;
+    out->symmetric = true;
+}

@@ -52,4 +52,7 @@ size_t source_fit_names(char (**names)[64], const char *path);
 /* (f(l,v) + f(v,l)) / 2, each also mirrored at the plane of l and n and averaged: what a half-vector table can hold. */
 void source_symmetric(double rgb[3], const struct brdf_source *s, const double l[3], const double v[3]);
 
+/* The same as a source; `s` stays the caller's. */
+void source_make_symmetric(struct brdf_source *out, const struct brdf_source *s);
+
 #endif

@@ -52,18 +52,6 @@ static void print(const char *material, const char *kind, const struct figures *
     fflush(stdout);
 }
 
-static void symmetric_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
-{
-    source_symmetric(rgb, ctx, l, v);
-}
-
-/* The truth: what a reciprocal material is of what the file says. */
-static struct brdf_source symmetric(const struct brdf_source *s)
-{
-    return (struct brdf_source){
-        .value = symmetric_value, .ctx = (void *)s, .theta_in = 90, .theta_out = 90, .symmetric = true};
-}
-
 static void compare(struct metrics *m, const struct brdf_source *table, const struct brdf_source *truth, bool bands)
 {
     (bands ? metrics_compare : metrics_pictures)(m, table, truth);
@@ -156,7 +144,7 @@ static void rgl_rows(const char *folder)
         struct brdf_source file, seen, truth;
         struct measurement_grid grid;
         source_open(&file, path);
-        truth = symmetric(&file);
+        source_make_symmetric(&truth, &file);
         instrument(&grid, &truth);
         source_from_grid(&seen, &grid, files[i]);
         for (int k = 0; k < SIZES; k++) {

@@ -286,7 +286,7 @@ static void check_ggx_energy(double alpha, uint32_t h, uint32_t d, uint32_t t, d
     source.symmetric = true;
     struct half_vector table = build(&source, h, d, t);
     struct ref_table *reference = as_reference(&table);
-    for (int angle = 0; angle <= 85; angle += 17) {
+    for (int angle = 0; angle <= 88; angle += 22) {
         double albedo[3];
         ref_albedo(albedo, ref_brdf_of_table, reference, angle * pi / 180, 256);
         printf("# alpha %g, %d degrees: albedo %.4f\n", alpha, angle, albedo[0]);
@@ -300,7 +300,7 @@ static void check_ggx_energy(double alpha, uint32_t h, uint32_t d, uint32_t t, d
 static void sharp_lobes_create_no_energy_and_lose_little(void **state)
 {
     (void)state;
-    check_ggx_energy(0.01, 26, 13, 3, 0.97);
+    check_ggx_energy(0.003, 26, 13, 3, 0.95);
     check_ggx_energy(0.003, 64, 16, 2, 0.98);
 }
 
@@ -373,11 +373,6 @@ static void a_source_that_is_not_reciprocal_is_made_so(void **state)
     assert_true(sqrt(error / size) < 0.02);
 }
 
-static void symmetric_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
-{
-    source_symmetric(rgb, ctx, l, v);
-}
-
 static void measured_materials_are_met_at_4_kilobytes(void **state)
 {
     (void)state;
@@ -394,8 +389,9 @@ static void measured_materials_are_met_at_4_kilobytes(void **state)
         skip();
     for (int i = 0; i < 2; i++) {
         char *path = xasprintf("%s/brdf/%s", folder, materials[i].name);
-        struct brdf_source source, truth = {.value = symmetric_value, .ctx = &source};
+        struct brdf_source source, truth;
         source_open(&source, path);
+        source_make_symmetric(&truth, &source);
         struct half_vector t = build(&source, 26, 13, 3);
         double de = colour_difference(&t, &truth);
         printf("# %s: mean dE %.3f\n", materials[i].name, de);
