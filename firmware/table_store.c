@@ -8,11 +8,6 @@
 
 static const struct table_store_result done = {USB_OK, 0};
 
-static uint32_t bank_bytes(const struct table_store *s, uint32_t slot)
-{
-    return slot == 0 ? s->scene_bank_bytes : s->table_bank_bytes;
-}
-
 static uint32_t bank_offset(const struct table_store *s, uint32_t slot, uint32_t bank)
 {
     if (slot == 0)
@@ -27,7 +22,7 @@ static const uint8_t *bank_content(const struct table_store *s, uint32_t slot, u
 
 uint32_t table_store_capacity(const struct table_store *s, uint32_t slot)
 {
-    return bank_bytes(s, slot) - TABLE_STORE_DATA_OFFSET;
+    return (slot == 0 ? s->scene_bank_bytes : s->table_bank_bytes) - TABLE_STORE_DATA_OFFSET;
 }
 
 static uint32_t header_crc(const struct table_store_header *h)
