@@ -1,0 +1,182 @@
+/*
+ * The half-vector table eight pixels at once against the portable loops, bit by bit. Lives here because programs with sanitizers
+ * are built for any processor.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "half_vector.h"
+
+enum { ROUNDS = 40000 };
+
+/* Null where the library was not built for AVX2. */
+extern raster_half_vector raster_half_vector_wide __attribute__((weak));
+
+static uint64_t seed = 1;
+
+static uint32_t random32(void)
+{
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    uint32_t x = (uint32_t)(seed >> 33);
+    return x * 2654435761u ^ x >> 15;
+}
+
+static int32_t between(int32_t low, int32_t high)
+{
+    return low + (int32_t)(random32() % (uint32_t)(high - low + 1));
+}
+
+/* As often small as large. */
+static uint32_t any_size(unsigned bits)
+{
+    return random32() >> (32 - bits) >> random32() % bits;
+}
+
+static struct {
+    uint32_t texels[1 << 16];
+    uint8_t cells[1 << 16];
+    uint16_t warp_h[LUT_WARP_H_NODES + 1];
+    uint32_t slabs[(1 << 16) * 7];
+    struct lut_table table;
+} k;
+
+/* Exponents in cells are what the format asks for; slabs hold words of any 15-bit mantissas. */
+static void make_table(void)
+{
+    struct lut_table *t = &k.table;
+    do {
+        t->width = (uint32_t)between(2, LUT_MAX_T);
+        t->height = (uint32_t)between(2, LUT_MAX_H);
+        t->depth = (uint32_t)between(2, LUT_MAX_D);
+    } while (t->width * t->height * t->depth > 1 << 16);
+    t->kind = LUT_HALF_VECTOR;
+    t->scale = between(-16, 16);
+    t->texels = k.texels;
+    t->cells = k.cells;
+    t->warp_h = k.warp_h;
+    const uint32_t least = random32() % 24, span = 1 + random32() % 8;
+    for (uint32_t i = 0; i < t->width * t->height * t->depth; i++)
+        k.texels[i] = random32() >> 5 | (least + random32() % span) << 27;
+    const uint32_t cells_h = t->height - 1, count = cells_h * (t->depth - 1);
+    for (uint32_t d = 0; d + 1 < t->depth; d++)
+        for (uint32_t h = 0; h < cells_h; h++) {
+            uint32_t largest = 0;
+            for (uint32_t i = 0; i < 4 * t->width; i++) {
+                uint32_t x = k.texels[((d + (i & 1)) * t->height + h + (i >> 1 & 1)) * t->width + i / 4] >> 27;
+                largest = x > largest ? x : largest;
+            }
+            k.cells[d * cells_h + h] = (uint8_t)largest;
+        }
+    for (uint32_t i = 0, u = 0; i < LUT_WARP_H_NODES; i++) {
+        k.warp_h[i] = (uint16_t)u;
+        u += random32() % (2 * 512 * (t->height - 1) / (LUT_WARP_H_NODES - 1) + 1);
+        u = u < 512 * (t->height - 1) ? u : 512 * (t->height - 1) - 1; /* only the last node reaches the last row */
+    }
+    k.warp_h[LUT_WARP_H_NODES - 1] = (uint16_t)(512 * (t->height - 1));
+    t->slabs = NULL;
+    const uint32_t rows = 200, words = rows * 3 * t->width;
+    if (random32() % 2 && count + words < sizeof k.slabs / 4) {
+        t->slabs = k.slabs;
+        for (uint32_t i = 0; i < count; i++)
+            k.slabs[i] = (count + random32() % (rows - 1) * 3 * t->width) * 4 << 8 | (least + random32() % span);
+        for (uint32_t i = 0; i < words; i++)
+            k.slabs[count + i] = random32() & 0x7fff7fff;
+    }
+}
+
+/* Within the bounds that block.h states for n.l, n.a and n.b, but for any directions. */
+static void random_vector(int32_t v[3])
+{
+    const int32_t longest = 18918; /* 32767 / sqrt(3) */
+    for (int i = 0; i < 3; i++)
+        v[i] = between(-longest, longest);
+    if (random32() % 4 == 0) {
+        const int axis = (int)(random32() % 3);
+        for (int i = 0; i < 3; i++)
+            v[i] = i == axis ? (random32() % 2 ? 32767 : -32767) : between(-2, 2);
+    }
+}
+
+static uint32_t word(int32_t low, int32_t high)
+{
+    return ((uint32_t)low & 0xffff) | (uint32_t)high << 16;
+}
+
+static void make_light(struct raster_block_light *light)
+{
+    int32_t a[3], b[3], l[3];
+    memset(light, 0, sizeof *light);
+    random_vector(a);
+    random_vector(l);
+    b[0] = a[1], b[1] = -a[0], b[2] = between(-300, 300); /* orthogonal, as s2 is at most 2 */
+    light->plane[PLANE_A_XY].base = word(a[0], a[1]);
+    light->plane[PLANE_B_XY].base = word(b[0], b[1]);
+    light->plane[PLANE_AB_Z].base = word(a[2], b[2]);
+    for (int i = 0; i < PLANE_TERM; i++) {
+        light->plane[i].dx = random32() % 2 ? word(between(-40, 40), between(-40, 40)) : 0;
+        light->plane[i].dy = random32() % 2 ? word(between(-40, 40), between(-40, 40)) : 0;
+    }
+    const uint32_t most = (k.table.depth - 1) << TERM_D_BITS;
+    light->plane[PLANE_TERM].base = random32() % 4 ? random32() % (most - 480) : most - 481;
+    light->plane[PLANE_TERM].dx = random32() % 16;
+    light->plane[PLANE_TERM].dy = random32() % 16;
+    light->l_xy = word(l[0], l[1]);
+    light->l_z = l[2];
+    for (int i = 0; i < 3; i++)
+        light->colour[i] = any_size(32);
+}
+
+static void make_batch(struct raster_batch *b)
+{
+    memset(b, 0, sizeof *b);
+    b->count = (uint32_t)between(1, RASTER_BATCH);
+    for (uint32_t i = 0; i < b->count; i++) {
+        int32_t n[3];
+        random_vector(n);
+        b->pixel[i] =
+            (struct raster_batch_pixel){word(n[0], n[1]), n[2], between(1 << 22, 1 << 30), i % 16 | i / 16 << 8};
+        if (random32() % 4 == 0)
+            b->pixel[i].nv = 1 << 22 | (int32_t)any_size(24);
+        for (int c = 0; c < 3; c++)
+            b->radiance[i][c] = any_size(27);
+    }
+}
+
+static void eight_pixels_at_once_give_the_same_bits(void **state)
+{
+    (void)state;
+    if (!raster_half_vector_wide) {
+        print_message("# the library was not built for AVX2\n");
+        skip();
+    }
+    static struct raster_batch b, want;
+    struct raster_block_light light;
+    uint32_t lit = 0, packed = 0;
+    for (unsigned i = 0; i < ROUNDS; i++) {
+        if (i % 50 == 0)
+            make_table();
+        make_light(&light);
+        make_batch(&b);
+        want = b;
+        raster_half_vector *const narrow = k.table.slabs ? raster_half_vector_packed : raster_half_vector_plain;
+        const uint32_t first = i % 8 ? 0 : random32() % b.count;
+        const uint32_t count = narrow(&want, first, b.count, &k.table, &light);
+        assert_int_equal(raster_half_vector_wide(&b, first, b.count, &k.table, &light), count);
+        assert_memory_equal(&b, &want, sizeof b);
+        lit += count;
+        packed += k.table.slabs != NULL;
+    }
+    assert_in_range(lit, ROUNDS * 8, ROUNDS * 32);
+    assert_in_range(packed, ROUNDS / 10, ROUNDS * 9 / 10);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(eight_pixels_at_once_give_the_same_bits)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
