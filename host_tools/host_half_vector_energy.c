@@ -47,22 +47,20 @@ static void lower(struct half_vector *t, int angle, double excess)
 void half_vector_limit_energy(struct half_vector *t, const struct brdf_source *source)
 {
     const double tolerance = 0x1p-7;
-    struct brdf_source table;
-    double allowed[LAST_ANGLE + 1] = {0};
+    struct brdf_source table, symmetric;
     half_vector_source(&table, t, "table");
-    bool exceeds = true;
-    for (int pass = 0; pass < PASSES && exceeds; pass++) {
-        exceeds = false;
+    source_make_symmetric(&symmetric, source);
+    double allowed[LAST_ANGLE + 1] = {0}; /* 0: not known yet */
+    bool settled[LAST_ANGLE + 1] = {0};   /* lowering a plane raises no angle's albedo */
+    for (int pass = 0; pass < PASSES; pass++)
         for (int angle = 0; angle <= LAST_ANGLE; angle = angle_after(angle)) {
+            if (settled[angle])
+                continue;
             double is = albedo(&table, angle);
-            if (is <= 1 + tolerance)
-                continue;
-            if (!(allowed[angle] > 0)) /* a source may itself reflect more than arrives */
-                allowed[angle] = fmax(albedo(source, angle), 1) * (1 + tolerance);
-            if (is <= allowed[angle])
-                continue;
-            exceeds = true;
-            lower(t, angle, 1 - (1 + tolerance / 2) / (1 + tolerance) * allowed[angle] / is);
+            if (is > 1 + tolerance && !(allowed[angle] > 0)) /* a source may itself reflect more than arrives */
+                allowed[angle] = fmax(albedo(&symmetric, angle), 1);
+            settled[angle] = is <= fmax(allowed[angle], 1) * (1 + tolerance);
+            if (!settled[angle])
+                lower(t, angle, 1 - (1 + tolerance / 2) * allowed[angle] / is);
         }
-    }
 }
