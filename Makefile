@@ -163,7 +163,7 @@ $(B)/demo/%.csv: $(B)/gtlut
 	@mkdir -p $(@D)
 	$(B)/gtlut measure $* -o $@
 $(B)/demo/%.ktx2: $(B)/demo/%.csv
-	$(B)/gtlut build $< -o $@
+	$(B)/gtlut build $< -o $@ --kind half_vector --packed 2>$@.log || { cat $@.log >&2; exit 1; }
 
 # --- test and benchmark programs ---
 tests: $(TEST_C:%.c=$(B)/%)
