@@ -37,7 +37,6 @@ struct raster_block_light {
         plane[PLANE_COUNT]; /* a and b: Q15, x and a.z in the low halves; the term: see term_find, light.c */
     uint32_t l_xy;          /* Q15 */
     int32_t l_z;
-    uint32_t inv_lv;     /* 1/|l-v|, 1.0 = 2^27, mean of the corners; 1/2 .. 8 */
     uq16_16_t colour[3]; /* irradiance at the pixels; attenuated for point lights */
 };
 

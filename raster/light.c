@@ -125,22 +125,16 @@ uint8_t raster_block_shift(const struct raster_view *v)
 
 /* What depends on l and v. */
 struct corner {
-    struct vec3 a, b;      /* Q15 */
+    struct vec3 a, b;      /* Q15, at most 2^15 + 1 */
     uint32_t sine, cosine; /* of theta_d, 1.0 = 2^27 */
-    uint32_t inv_lv;       /* 1.0 = 2^27, at most 8, at least 1/2 + 2^-25 */
 };
 
-/* (|x|/2)^2, Q30, at least 1. In: |component| < 2^16, Q15. */
-static uint32_t half_square(struct vec3 x)
+/* (|l+v|/2)^2 and (|l-v|/2)^2, Q30, at least 1: cos^2 and sin^2 of theta_d. Exact but for their last bit, as sums of squares of Q15. */
+static inline void squares_find(uint32_t *cosine2, uint32_t *sine2, struct vec3 l, struct vec3 v)
 {
-    uint32_t s = fx_square(x.x) / 4 + fx_square(x.y) / 4 + fx_square(x.z) / 4;
-    return s ? s : 1;
-}
-
-static struct vec3 limited(int32_t x, int32_t y, int32_t z)
-{
-    const int32_t most = 65535;
-    return (struct vec3){fx_clamp(x, -most, most), fx_clamp(y, -most, most), fx_clamp(z, -most, most)};
+    const int32_t lv = fx_dot(l, v), mean = (int32_t)(((uint32_t)fx_dot(l, l) + (uint32_t)fx_dot(v, v)) / 2);
+    *cosine2 = (uint32_t)fx_max((mean >> 1) + (lv >> 1), 1); /* <= 2^30 (1 + 2^-12) */
+    *sine2 = (uint32_t)fx_max((mean >> 1) - (lv >> 1), 1);
 }
 
 /* a b - c d, Q30 to Q15; 2^31 is not reached by unit vectors within 2^-12. */
@@ -155,25 +149,28 @@ static inline int32_t unit15(int32_t h, int32_t mc)
     return (fx_mulhi(h * 32, mc) + 8) >> 4;
 }
 
+/* x y - z w, Q30, times up, times k, from Q25 to Q15. |x y - z w| up < 2^31, k <= 2^28. */
+static inline int32_t cross_unit(int32_t x, int32_t y, int32_t z, int32_t w, int32_t up, int32_t k)
+{
+    return (fx_mulhi((x * y - z * w) * up, k) + 512) >> 10;
+}
+
 static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
 {
-    struct vec3 h = limited(l.x + v.x, l.y + v.y, l.z + v.z);
-    uint32_t c2 = half_square(h), s2 = half_square(limited(l.x - v.x, l.y - v.y, l.z - v.z));
-    unsigned cs, ss; /* 1/cos = mc 2^-(14+cs), 2^15 cos in 2^(cs-1) .. 2^cs; likewise the sine */
-    int32_t mc = (int32_t)(lut_rsqrt(c2, &cs) >> 1), ms = (int32_t)(lut_rsqrt(s2, &ss) >> 1);
-    out->cosine = (uint32_t)((uint64_t)c2 * (uint32_t)mc >> (17 + cs));
-    out->sine = (uint32_t)((uint64_t)s2 * (uint32_t)ms >> (17 + ss));
-    out->inv_lv = ss < 12 ? 1u << 30 : (uint32_t)fx_max(ms >> (ss - 12), (1 << 26) + 4);
-    /* b = l x v / (2 sin cos): first l x v / (2 cos), Q27, at most the sine, below 2^(ss+12); |l x v| <= 2^(cs+16) */
-    const int32_t up_c = 1 << (16 - cs), up_s = 1 << (16 - ss);
-    int32_t b[3] = {l.y * v.z - l.z * v.y, l.z * v.x - l.x * v.z, l.x * v.y - l.y * v.x};
-    for (int i = 0; i < 3; i++) {
-        int32_t y = fx_mulhi((b[i] >> 2) * up_c, mc);
-        b[i] = fx_clamp((fx_mulhi(y * up_s, ms) + 512) >> 10, -32767, 32767); /* Q25 to Q15 */
-    }
-    out->b = (struct vec3){b[0], b[1], b[2]};
-    h = (struct vec3){unit15(h.x * up_c, mc), unit15(h.y * up_c, mc), unit15(h.z * up_c, mc)}; /* <= 2^17 */
-    out->a = (struct vec3){cross15(h.y, b[2], h.z, b[1]), cross15(h.z, b[0], h.x, b[2]), cross15(h.x, b[1], h.y, b[0])};
+    uint32_t c2, s2;
+    unsigned cs, ss; /* 1/cos = mc 2^-(14+cs), 2^15 cos in 2^(cs-1) .. 2^cs; likewise the sine; cs + ss <= 30 */
+    squares_find(&c2, &s2, l, v);
+    const int32_t mc = (int32_t)(lut_rsqrt(c2, &cs) >> 1), ms = (int32_t)(lut_rsqrt(s2, &ss) >> 1); /* 2^29 .. 2^30 */
+    out->cosine = fx_mulhi_u(c2 << (32 - 2 * cs), (uint32_t)mc) >> (17 - cs);
+    out->sine = fx_mulhi_u(s2 << (32 - 2 * ss), (uint32_t)ms) >> (17 - ss);
+    /* b = l x v / (2 sin cos); |l x v|, Q30, is below 2^(cs+ss+1) */
+    const int32_t up = 1 << (30 - cs - ss), k = fx_mulhi(mc, ms), up_c = 1 << (16 - cs);
+    const struct vec3 b = {cross_unit(l.y, v.z, l.z, v.y, up, k), cross_unit(l.z, v.x, l.x, v.z, up, k),
+                           cross_unit(l.x, v.y, l.y, v.x, up, k)};
+    const struct vec3 h = {unit15((l.x + v.x) * up_c, mc), unit15((l.y + v.y) * up_c, mc), /* <= 2^17 */
+                           unit15((l.z + v.z) * up_c, mc)};
+    out->b = b;
+    out->a = (struct vec3){cross15(h.y, b.z, h.z, b.y), cross15(h.z, b.x, h.x, b.z), cross15(h.x, b.y, h.y, b.x)};
 }
 
 /* The quantity besides a and b that a material's model takes from l and v. */
@@ -245,18 +242,23 @@ static struct raster_plane plane_lanes(const int32_t low[4], const int32_t high[
     plane_lanes((const int32_t[4]){c[0].low, c[1].low, c[2].low, c[3].low},                                            \
                 (const int32_t[4]){c[0].high, c[1].high, c[2].high, c[3].high}, shift)
 
+static uint32_t unit_lanes(int32_t low, int32_t high)
+{
+    return lanes(fx_clamp(low, -32767, 32767), fx_clamp(high, -32767, 32767));
+}
+
 /* One pixel's block: no slopes. */
 static void planes_constant(struct raster_block_light *out, const struct corner *c, uint32_t term)
 {
-    const uint32_t value[PLANE_COUNT] = {lanes(c->a.x, c->a.y), lanes(c->b.x, c->b.y), lanes(c->a.z, c->b.z), term};
+    const uint32_t value[PLANE_COUNT] = {unit_lanes(c->a.x, c->a.y), unit_lanes(c->b.x, c->b.y),
+                                         unit_lanes(c->a.z, c->b.z), term};
     for (int k = 0; k < PLANE_COUNT; k++)
         out->plane[k] = (struct raster_plane){value[k], 0, 0};
-    out->inv_lv = c->inv_lv;
 }
 
 static void set_direction(struct raster_block_light *out, struct vec3 l)
 {
-    out->l_xy = lanes(fx_clamp(l.x, -32767, 32767), fx_clamp(l.y, -32767, 32767));
+    out->l_xy = unit_lanes(l.x, l.y);
     out->l_z = fx_clamp(l.z, -32767, 32767);
 }
 
@@ -266,13 +268,11 @@ static void light_planes(struct raster_block_light *out, const struct raster *r,
     const unsigned shift = block->shift;
     struct corner c[4];
     int32_t term[4];
-    out->inv_lv = 0;
     for (int i = 0; i < 4; i++) {
         corner_find(&c[i], light->v, block->view[i]);
         term[i] = (int32_t)term_find(r, m, &c[i]);
         if (scales_b(r, m))
             scale_b(&c[i]);
-        out->inv_lv += c[i].inv_lv >> 2;
     }
     out->plane[PLANE_A_XY] = LANES(a.x, a.y);
     out->plane[PLANE_B_XY] = LANES(b.x, b.y);
@@ -338,8 +338,8 @@ bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsign
     const uint32_t angle = (uint32_t)((uint64_t)r->view.step << (shift + 16) >> VIEW_STEP_BITS);
     for (uint32_t i = 0; i < r->directional; i++) {
         const struct vec3 l = r->lights[i].v;
-        uint32_t c2 = half_square(limited(l.x + v.x, l.y + v.y, l.z + v.z));
-        uint32_t s2 = half_square(limited(l.x - v.x, l.y - v.y, l.z - v.z));
+        uint32_t c2, s2;
+        squares_find(&c2, &s2, l, v);
         uint32_t cross2 = fx_mulhi_u(c2, s2);                         /* |l x v|^2 / 4, 2^28 */
         uint32_t need = angle * LEAST_CROSS / (uint32_t)r->view.axis; /* Q15, below 2^13 */
         if (cross2 >> 1 <= need * need >> 5)                          /* 2^27 on the left, of a quarter */
