@@ -12,12 +12,14 @@
 
 static const char usage[] =
     "usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER] [--lod-error PIXELS] [--no-lod]\n"
+    "                     [--normal-error DEGREES]\n"
     "       gtscene info SCENE.blob\n"
     "       gtscene --help | --version\n";
 
 static void print_build_help(void)
 {
     printf("usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER] [--lod-error PIXELS] [--no-lod]\n"
+           "                     [--normal-error DEGREES]\n"
            "Builds the scene blob: meshes become small meshlets with quantised positions and normals.\n"
            "  -o, --output FILE   the blob; - is standard output\n"
            "      --data FOLDER   where mesh files are that do not lie relative to the scene file\n"
@@ -25,6 +27,8 @@ static void print_build_help(void)
            "to 64\n"
            "                      (the scene file's, else 0.5); 0 draws the finest\n"
            "      --no-lod        store the finest level only\n"
+           "      --normal-error DEGREES  split meshlets until interpolated normals stray by less (0.4; 0.01 to 90):\n"
+           "                      less is truer on coarsely curved meshes, more makes a smaller blob\n"
            "      --help          this text\n"
            "Models of materials: " MODEL_NAMES ".\n"
            "Lights: directional (direction, irradiance) or of type point (position, power, radius).\n"
@@ -44,11 +48,12 @@ static int run_build(int argc, char **argv)
                                             {"data", required_argument, NULL, 'd'},
                                             {"lod-error", required_argument, NULL, 'e'},
                                             {"no-lod", no_argument, NULL, 'n'},
+                                            {"normal-error", required_argument, NULL, 'r'},
                                             {"help", no_argument, NULL, 'h'},
                                             {NULL, 0, NULL, 0}};
     const char *output = NULL, *data = NULL;
     double lod_error = -1; /* as the scene file says */
-    bool with_levels = true;
+    struct pack_options pack = {.with_levels = true, .normal_error = 0.4};
     for (int c; (c = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
         if (c == 'h') {
             print_build_help();
@@ -61,10 +66,13 @@ static int run_build(int argc, char **argv)
         else if (c == 'e')
             lod_error = parse_double("--lod-error", optarg, 0, 64);
         else if (c == 'n')
-            with_levels = false;
+            pack.with_levels = false;
+        else if (c == 'r')
+            pack.normal_error = parse_double("--normal-error", optarg, 0.01, 90);
         else
             return EXIT_USAGE;
     }
+    pack.normal_error *= 3.14159265358979323846 / 180;
     if (optind != argc - 1)
         die(EXIT_USAGE, "%d scene files given, 1 wanted; see gtscene build --help", argc - optind);
     if (!output)
@@ -74,7 +82,7 @@ static int run_build(int argc, char **argv)
     desc_load(&desc, argv[optind], data);
     if (lod_error >= 0)
         desc.lod_error = (uq16_16_t)lrint(lod_error * 65536);
-    void *blob = blob_build(&bytes, &desc, with_levels);
+    void *blob = blob_build(&bytes, &desc, &pack);
     write_file(output, blob, bytes);
     free(blob);
     return EXIT_OK;

@@ -64,17 +64,17 @@ static void place_object(struct scene_object *out, const struct object_desc *o, 
 }
 
 static void build_mesh(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh_desc *desc,
-                       bool with_levels)
+                       const struct pack_options *options)
 {
     struct mesh m;
     if (desc->shape)
         desc->shape->build(&m, desc->parameters);
     else
         mesh_load(&m, desc->path);
-    mesh_pack(out, pool, &m, with_levels, desc->shape ? desc->name : desc->path);
+    mesh_pack(out, pool, &m, options, desc->shape ? desc->name : desc->path);
 }
 
-void *blob_build(size_t *bytes, const struct scene_desc *desc, bool with_levels)
+void *blob_build(size_t *bytes, const struct scene_desc *desc, const struct pack_options *options)
 {
     struct meshlet_pool pool = {.meshlet_count = 0};
     struct packed_mesh *packed = xcalloc(desc->mesh_count, sizeof *packed);
@@ -83,7 +83,7 @@ void *blob_build(size_t *bytes, const struct scene_desc *desc, bool with_levels)
     uint32_t lod_count = 0;
     struct scene_object *objects = xcalloc(desc->object_count, sizeof *objects);
     for (unsigned i = 0; i < desc->mesh_count; i++) {
-        build_mesh(&packed[i], &pool, &desc->meshes[i], with_levels);
+        build_mesh(&packed[i], &pool, &desc->meshes[i], options);
         check_size(pool.meshlet_count * sizeof *pool.meshlets + pool.vertex_count * sizeof *pool.vertices +
                    pool.triangle_count * sizeof *pool.triangles);
         meshes[i] = (struct scene_mesh){.lod_first = lod_count, .lod_count = packed[i].level_count};

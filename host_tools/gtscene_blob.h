@@ -5,9 +5,9 @@
 #include "gtscene_desc.h"
 #include "gtscene_meshlets.h"
 
-/* Builds all meshes, with_levels: with coarser levels of detail, and lays out the blob: malloc'd, *bytes long, accepted by scene_open. The same description and
+/* Builds all meshes and lays out the blob: malloc'd, *bytes long, accepted by scene_open. The same description and
  * mesh files give the same bytes. Dies with EXIT_BAD_INPUT when a limit is passed. */
-void *blob_build(size_t *bytes, const struct scene_desc *desc, bool with_levels);
+void *blob_build(size_t *bytes, const struct scene_desc *desc, const struct pack_options *options);
 
 /* What `gtscene info` prints, to stdout. */
 void blob_print(const struct scene *s);

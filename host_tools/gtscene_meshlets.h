@@ -22,9 +22,17 @@ struct packed_mesh {
     unsigned level_count;
 };
 
-/* Quantises, welds, drops triangles without area and appends meshlets to the pool, with_levels: of coarser levels too.
+struct pack_options {
+    bool with_levels; /* coarser levels of detail, too */
+    double
+        normal_error; /* radians: meshlets are split until interpolated normals stray less; doubled for each coarser level,
+                            which is drawn smaller */
+};
+
+/* Quantises, welds, drops triangles without area and appends meshlets to the pool.
  * Consumes *m. `name` is for messages; dies with EXIT_BAD_INPUT when nothing remains. Positions move by at most scale/2
  * per axis; the largest |coordinate| is 32767. */
-void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, bool with_levels, const char *name);
+void mesh_pack(struct packed_mesh *out, struct meshlet_pool *pool, struct mesh *m, const struct pack_options *options,
+               const char *name);
 
 #endif

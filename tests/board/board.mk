@@ -59,10 +59,10 @@ $(eval $(call BOARD_PROGRAMS,rv32imac,-march=rv32imac -Wl$(COMMA)--no-warn-rwx-s
 # The smallest device: the firmware with scene and table built in, tiles of 32 x 32.
 $(eval $(call BOARD_TARGET,lm3s6965,arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -DRASTER_TILE_WIDTH=32 -DRASTER_TILE_HEIGHT=32,\
     hal/emulated/cortex_m.c $(wildcard hal/lm3s6965/*.c)))
-# One level of detail: the bank is small.
+# One level of detail and meshlets not split: the bank is small.
 $(B)/board/oled.blob: host_tools/scenes/oled.json $(B)/gtscene
 	@mkdir -p $(@D)
-	$(B)/gtscene build $< -o $@ --no-lod
+	$(B)/gtscene build $< -o $@ --no-lod --normal-error 90
 $(B)/board/gold_91x46.ktx2: $(B)/demo/gold.csv $(B)/gtlut
 	@mkdir -p $(@D)
 	$(B)/gtlut build $< -o $@ --size 91x46
