@@ -6,7 +6,7 @@
 #include "point_light.h"
 
 #define MAX_BLOCK_ANGLE 4 /* 2^-4 radians */
-#define LEAST_CROSS     6 /* of |l x v|, in units of the block's angle */
+#define LEAST_CROSS     8 /* of |l x v|, in units of the block's angle */
 
 static size_t align8(size_t bytes)
 {
@@ -262,6 +262,23 @@ static void set_direction(struct raster_block_light *out, struct vec3 l)
     out->l_z = fx_clamp(l.z, -32767, 32767);
 }
 
+/* What corners are multiplied by, less 1, Q15: a plane through unit vectors is shorter than 1 between them, in the middle by
+ * (1 - |mean|^2)/2, on average by two thirds of that. In: sums of four. */
+static int32_t shortfall(int32_t x, int32_t y, int32_t z)
+{
+    x >>= 2;
+    y >>= 2;
+    z >>= 2;
+    return ((1 << 30) - (x * x + y * y + z * z)) / 3 >> 15; /* |mean| <= 2^15 (1 + 2^-12) */
+}
+
+static void lengthen(struct vec3 *v, int32_t k)
+{
+    v->x += v->x * k >> 15;
+    v->y += v->y * k >> 15;
+    v->z += v->z * k >> 15;
+}
+
 static void light_planes(struct raster_block_light *out, const struct raster *r, const struct scene_material *m,
                          const struct raster_light *light, const struct raster_block *block)
 {
@@ -271,6 +288,14 @@ static void light_planes(struct raster_block_light *out, const struct raster *r,
     for (int i = 0; i < 4; i++) {
         corner_find(&c[i], light->v, block->view[i]);
         term[i] = (int32_t)term_find(r, m, &c[i]);
+    }
+    const int32_t a = shortfall(c[0].a.x + c[1].a.x + c[2].a.x + c[3].a.x, c[0].a.y + c[1].a.y + c[2].a.y + c[3].a.y,
+                                c[0].a.z + c[1].a.z + c[2].a.z + c[3].a.z);
+    const int32_t b = shortfall(c[0].b.x + c[1].b.x + c[2].b.x + c[3].b.x, c[0].b.y + c[1].b.y + c[2].b.y + c[3].b.y,
+                                c[0].b.z + c[1].b.z + c[2].b.z + c[3].b.z);
+    for (int i = 0; i < 4; i++) {
+        lengthen(&c[i].a, a);
+        lengthen(&c[i].b, b);
         if (scales_b(r, m))
             scale_b(&c[i]);
     }
