@@ -24,7 +24,7 @@ uint32_t raster_shade_blinn_phong(struct raster_batch *b, uint32_t first, uint32
         lit += p.nl > 0;
         uint32_t nl = (uint32_t)fx_clamp(p.nl, 0, (1 << 30) - 1) << 2, power = 0; /* Q32 */
         if ((p.nl >> 1) + (b->pixel[i].nv >> 1) > 0)                              /* n.h > 0 */
-            power = raster_lobe_at(lobe, (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb))) << 5;
+            power = raster_lobe_at(lobe, (uint32_t)(fx_mulhi(p.na, p.na) + fx_mulhi(p.nb, p.nb))) << 1;
         uint32_t *out = b->radiance[i];
         out[0] += raster_limited(fx_mulhi_u(diffuse[0], nl) + fx_mulhi_u(specular[0], power));
         out[1] += raster_limited(fx_mulhi_u(diffuse[1], nl) + fx_mulhi_u(specular[1], power));

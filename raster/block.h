@@ -105,7 +105,7 @@ struct raster_lobe {
 /* In: m uq16_16, at most 2^12. */
 void raster_lobe_setup(struct raster_lobe *l, uint32_t m);
 
-/* 1.0 = 65535 << 11. In: x with 1.0 = 2^28, at most 8. */
+/* 1.0 = 65535 << 15. In: x with 1.0 = 2^28, at most 8. */
 static inline uint32_t raster_lobe_at(const struct raster_lobe *l, uint32_t x)
 {
     x += l->offset;
@@ -115,7 +115,7 @@ static inline uint32_t raster_lobe_at(const struct raster_lobe *l, uint32_t x)
     unsigned zeros = fx_clz(x); /* 0 .. 8 */
     x <<= zeros;
     const uint16_t *node = l->node + 16 * (8 - zeros) + (x >> 27 & 15);
-    return ((uint32_t)node[0] << 11) - (uint32_t)(node[0] - node[1]) * (x >> 16 & 0x7ff);
+    return ((uint32_t)node[0] << 15) - (uint32_t)(node[0] - node[1]) * (x >> 12 & 0x7fff);
 }
 
 /* A light adds less than 128 display whites to a pixel, so that 16 of them stay below 2^31 and need no test. */
