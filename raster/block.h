@@ -146,6 +146,15 @@ struct raster_block {
     uint32_t ready; /* bit i: light[i] holds frame light i's planes for the batch's material */
 };
 
+#if defined(__AVX2__)
+#define RASTER_WIDE
+#endif
+/* gather_wide.c, where RASTER_WIDE: eight pixels of a batch from surfaces of one slot side by side, whose first is at `at`; `frame` and
+ * `shift` as raster_eye_normal takes them, view as wide as its planes are, at the first pixel. Returns four bits for each
+ * pixel whose n.v is below 2^-7. */
+uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raster_surface s[8], const int32_t frame[9],
+                            unsigned shift, const int32_t view[3], const struct raster_plane plane[3], uint32_t at);
+
 /* light.c: whether planes hold over the block of 2^shift pixels at (x, y) on the screen under every directional light. */
 bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift);
 /* In: (x, y) in the tile whose first pixel on the screen is (x0, y0). */

@@ -138,6 +138,28 @@ static bool needs_facing(const struct scene_material *m)
     return m->kind == SCENE_MATERIAL_MEASURED || m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS;
 }
 
+#ifdef RASTER_WIDE
+/* The batch's next pixels, up to eight and to the first that is to be turned to the viewer, from surfaces of one slot side by side; `view`
+ * as wide as its planes are. Returns how many: none where there is no room for eight. */
+static uint32_t gather_eight(struct raster_tile *t, const struct raster_block *k, const struct raster_surface *s,
+                             uint32_t count, const int32_t frame[9], const int32_t view[3], uint32_t at, bool facing)
+{
+    struct raster_batch *b = &t->batch;
+    const uint32_t index = (uint32_t)(s - t->surface);
+    if (count < 3 || index + 8 > RASTER_TILE_PIXELS || b->count + 8 > RASTER_BATCH)
+        return 0;
+    const uint32_t away =
+        raster_gather_wide(&b->pixel[b->count], s, frame, t->slots[slot_of(s)].normal_shift, view, k->plane, at);
+    count = count < 8 ? count : 8;
+    for (uint32_t i = 0; i < count; i++) {
+        if (facing && away >> 4 * i & 1)
+            return i;
+        b->surface[b->count++] = (uint16_t)(index + i);
+    }
+    return count;
+}
+#endif
+
 /* Adds `count` surfaces of one slot, side by side from pixel (x, y) of the block on, to its batch. `index`: of the first. */
 static void gather_run(const struct output *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
                        uint32_t count, struct raster_stats *stats)
@@ -153,6 +175,17 @@ static void gather_run(const struct output *o, struct raster_block *k, uint32_t 
     for (const struct raster_surface *end = s + count; s != end; s++, x++, index++) {
         if (b->count == RASTER_BATCH)
             flush(o, k, stats);
+#ifdef RASTER_WIDE
+        const uint32_t eight = gather_eight(o->t, k, s, (uint32_t)(end - s), frame, view, x | y << 8, facing);
+        if (eight) {
+            for (int i = 0; i < 3; i++)
+                view[i] += (int32_t)(eight * k->plane[i].dx);
+            s += eight - 1;
+            x += eight - 1;
+            index += eight - 1;
+            continue;
+        }
+#endif
         struct vec3 n = raster_eye_normal(frame, slot->normal_shift, s);
         const struct vec3 v = {view[0] >> VIEW_PLANE_BITS, view[1] >> VIEW_PLANE_BITS, view[2] >> VIEW_PLANE_BITS};
         int32_t nv = fx_dot(n, v);

@@ -129,10 +129,15 @@ static inline wide wide_load_halves(const void *low, const void *high)
     return __builtin_shufflevector(wide_load_half(low), wide_load_half(high), 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
+static inline void wide_store_words(uint32_t *to, wide x)
+{
+    __builtin_memcpy(to, &x, sizeof x);
+}
+
 /* To lanes `at` .. `at` + 7. */
 static inline void wide_store(wide *row, uint32_t at, wide x)
 {
-    __builtin_memcpy(wide_lanes(row) + at, &x, sizeof x);
+    wide_store_words(wide_lanes(row) + at, x);
 }
 
 /* The pixel that an array's lane belongs to, and those after it: whether they are neighbours in the batch. */
@@ -216,8 +221,7 @@ static inline struct wide_normal wide_normalise(wide v, wide x, unsigned bit)
 
 static inline void wide_add_words(uint32_t *at, wide x)
 {
-    x += wide_load(at);
-    __builtin_memcpy(at, &x, sizeof x);
+    wide_store_words(at, x + wide_load(at));
 }
 
 /* Adds to the radiance of pixels first .. first+7. */

@@ -1,5 +1,5 @@
 /*
- * The half-vector table eight pixels at once against the portable loops, bit by bit. Lives here because programs with sanitizers
+ * What shades eight pixels at once against the portable loops, bit by bit. Lives here because programs with sanitizers
  * are built for any processor.
  */
 #include <stdarg.h>
@@ -16,6 +16,7 @@ enum { ROUNDS = 40000 };
 
 /* Null where the library was not built for AVX2. */
 extern raster_half_vector raster_half_vector_wide __attribute__((weak));
+extern __typeof__(raster_gather_wide) raster_gather_wide __attribute__((weak));
 
 static uint64_t seed = 1;
 
@@ -147,7 +148,7 @@ static void make_batch(struct raster_batch *b)
     }
 }
 
-static void eight_pixels_at_once_give_the_same_bits(void **state)
+static void half_vectors_of_eight_pixels_give_the_same_bits(void **state)
 {
     (void)state;
     if (!raster_half_vector_wide) {
@@ -175,8 +176,51 @@ static void eight_pixels_at_once_give_the_same_bits(void **state)
     assert_in_range(packed, ROUNDS / 10, ROUNDS * 9 / 10);
 }
 
+static void normals_of_eight_surfaces_give_the_same_bits(void **state)
+{
+    (void)state;
+    if (!raster_gather_wide)
+        skip();
+    for (unsigned i = 0; i < 200000; i++) {
+        struct raster_surface s[8];
+        struct raster_batch_pixel p[8];
+        int32_t frame[9], view[3];
+        struct raster_plane plane[3];
+        const unsigned shift = random32() % 11;
+        const uint32_t at = random32() % 9 | random32() % 16 << 8;
+        for (int j = 0; j < 8; j++) {
+            int32_t d = (int32_t)(any_size(14) << shift) + DEPTH_BIAS + between(0, 1 << shift >> 1);
+            s[j].depth_slot = (uint32_t)(d < 1 << 24 ? d : (1 << 24) - 1) << 8 | (random32() & 255);
+            s[j].normal = word((int32_t)any_size(14) * between(-1, 1), (int32_t)any_size(14) * between(-1, 1));
+        }
+        for (int j = 0; j < 3; j++)
+            random_vector(frame + 3 * j);
+        for (int j = 0; j < 9; j++)
+            frame[j] = frame[j] / 2 * 32; /* Q19 */
+        random_vector(view);
+        for (int j = 0; j < 3; j++) {
+            view[j] = (view[j] - view[j] / 64) * (1 << VIEW_PLANE_BITS);
+            plane[j].dx = (uint32_t)between(-30000, 30000);
+        }
+        const uint32_t away = raster_gather_wide(p, s, frame, shift, view, plane, at);
+        for (uint32_t j = 0; j < 8; j++) {
+            int32_t nv = 0;
+            struct vec3 n = raster_eye_normal(frame, shift, &s[j]);
+            const int32_t c[3] = {n.x, n.y, n.z};
+            for (int m = 0; m < 3; m++)
+                nv += c[m] * ((view[m] + (int32_t)(j * plane[m].dx)) >> VIEW_PLANE_BITS);
+            assert_int_equal(p[j].normal_xy, word(fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767)));
+            assert_int_equal(p[j].normal_z, fx_clamp(n.z, -32768, 32767));
+            assert_int_equal(p[j].nv, nv);
+            assert_int_equal(p[j].at, at + j);
+            assert_int_equal(away >> 4 * j & 15, nv < 1 << 23 ? 15 : 0);
+        }
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(eight_pixels_at_once_give_the_same_bits)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(half_vectors_of_eight_pixels_give_the_same_bits),
+                                       cmocka_unit_test(normals_of_eight_surfaces_give_the_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
