@@ -62,7 +62,7 @@ enum raster_status app_frame_begin(struct app *app, bool streamed)
         .scene = &c->scene,
         .camera = &c->camera,
         .output = &c->output,
-        .lights = c->lights,
+        .lights = c->light_count > APP_MAX_SET_LIGHTS ? c->scene.lights : c->lights,
         .materials = c->materials,
         .tables = c->table_of_slot,
         .width = app->config.width,

@@ -32,6 +32,9 @@ struct app_config {
 #define APP_PUSH_SHARE 8u
 #define APP_PUSH_COST  12u
 
+/* Lights that a host can set; those of a scene with more are as they are. */
+#define APP_MAX_SET_LIGHTS 16
+
 enum app_status { APP_OK = 0, APP_ERR_CONFIG, APP_ERR_FLASH };
 
 /* What frames are made from: the live scene with what the host has overridden, and the live tables. Changes
@@ -42,7 +45,7 @@ struct app_content {
     uint32_t triangle_count; /* of all objects, finest levels */
     struct scene_camera camera;
     struct scene_output output;
-    struct scene_light lights[SCENE_MAX_LIGHTS];
+    struct scene_light lights[APP_MAX_SET_LIGHTS]; /* if there are no more: else the scene's own */
     uint8_t light_count;
     struct scene_material materials[SCENE_MAX_MATERIALS];
     struct lut_table tables[RASTER_MAX_SLOTS];

@@ -24,7 +24,8 @@ void content_reset(struct app *app)
     c->camera = h->camera;
     c->output = h->output;
     c->light_count = (uint8_t)h->lights.count; /* scene_open: at most SCENE_MAX_LIGHTS and SCENE_MAX_MATERIALS */
-    __builtin_memcpy(c->lights, c->scene.lights, h->lights.count * sizeof c->lights[0]);
+    if (c->light_count <= APP_MAX_SET_LIGHTS)
+        __builtin_memcpy(c->lights, c->scene.lights, h->lights.count * sizeof c->lights[0]);
     __builtin_memcpy(c->materials, c->scene.materials, h->materials.count * sizeof c->materials[0]);
 }
 
@@ -84,7 +85,8 @@ static struct table_store_result set_output(struct app_content *c, const struct 
 static struct table_store_result set_light(struct app_content *c, uint32_t index, const struct scene_light *light)
 {
     enum scene_status status = scene_check_light(light);
-    if (status != SCENE_OK || index > c->light_count || index >= SCENE_MAX_LIGHTS)
+    if (status != SCENE_OK || index > c->light_count || index >= APP_MAX_SET_LIGHTS ||
+        c->light_count > APP_MAX_SET_LIGHTS)
         return refused((uint32_t)status);
     c->lights[index] = *light;
     if (index == c->light_count)

@@ -150,7 +150,7 @@ struct usb_verify {
 
 enum usb_setting {
     USB_SET_CAMERA = 1, /* struct scene_camera */
-    USB_SET_LIGHT,      /* index (uint32_t) + struct scene_light; index = count adds one, up to SCENE_MAX_LIGHTS */
+    USB_SET_LIGHT,      /* index (uint32_t) + struct scene_light; index = count adds one; see APP_MAX_SET_LIGHTS */
     USB_SET_OUTPUT,     /* struct scene_output */
     USB_SET_MODEL       /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
 };

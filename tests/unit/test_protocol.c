@@ -154,9 +154,9 @@ static void select_and_set_change_the_picture_and_reset_restores_it(void **state
     frame(d, now, NULL);
     assert_memory_equal(now, first, PICTURE);
     /* lights are added up to the limit */
-    for (light.index = 1; light.index < SCENE_MAX_LIGHTS; light.index++)
+    for (light.index = 1; light.index < APP_MAX_SET_LIGHTS; light.index++)
         assert_int_equal(set(d, USB_SET_LIGHT, &light, sizeof light), USB_OK);
-    assert_int_equal(info(d).light_count, SCENE_MAX_LIGHTS);
+    assert_int_equal(info(d).light_count, APP_MAX_SET_LIGHTS);
     assert_int_equal(set(d, USB_SET_LIGHT, &light, sizeof light), USB_ERR_VALUE);
     sim_device_destroy(d);
 }
