@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints rows of results.csv, suite `shade`: what shading costs by kind of table and model, how far its integers are from double precision,
 # and what frames of the six models cost beside the same in Lafortune-Phong. Variants are <kind>-<bytes of texels and warps>-<texels read>;
-# `half_vector` has the re-packed copy, `portable-half_vector` is without.
+# `half_vector` has the re-packed copy, `portable-half_vector` is without, and on x86-64 built for any such processor.
 # Environment: B (build folder). Needs the programs and tables that make bench builds, valgrind and the emulators.
 #
 #   instructions_per_pixel_light  per lit pixel-light (n.l > 0, n.v > 0), block set-up included, tone curve and packing excluded:
@@ -53,10 +53,14 @@ cycles_per_instruction() { # target input
         awk -v n=$count '$1 == "Total" && $2 == "Cycles:" { printf "%.4f", $3 / n }'
 }
 
+program_of() { # variant
+    case $1 in portable-*) echo "$B/bench/bench_shade_portable" ;; *) echo "$B/bench/bench_shade" ;; esac
+}
+
 # Against double precision. Leaves the hash of the radiances in $hash.
 errors() { # material variant input
     local line
-    line=$("$B/bench/bench_shade" error "$3")
+    line=$("$(program_of "$2")" error "$3")
     hash=$(field "$line" hash)
     for metric in steps_p99 steps_p999 steps_max; do
         row x86-64 "$1" "$2" $metric "$(field "$line" $metric)" steps
@@ -66,15 +70,16 @@ errors() { # material variant input
 
 # One table or model on all targets; the radiances must be the same everywhere.
 shading() { # material variant kind [table]
-    local material=$1 variant=$2 kind=$3 table=${4-} input line lit dark target
+    local material=$1 variant=$2 kind=$3 table=${4-} input line lit dark target program
+    program=$(program_of "$variant")
     input=$(tests/board/shade.sh input "$kind" $table)
     errors "$material" "$variant" "$input"
-    line=$("$B/bench/bench_shade" time "$input" 101)
+    line=$("$program" time "$input" 101)
     for metric in ns_per_pixel_light ns_per_covered_pixel_light; do
         row x86-64 "$material" "$variant" "$metric" "$(field "$line" $metric)" ns
     done
-    dark=$(counted picture_dark "$B/bench/bench_shade" count "$input")
-    lit=$(counted picture_lit "$B/bench/bench_shade" count "$input")
+    dark=$(counted picture_dark "$program" count "$input")
+    lit=$(counted picture_lit "$program" count "$input")
     row x86-64 "$material" "$variant" instructions_per_pixel_light "$(ratio 1 $((lit - dark)) "$(field "$(<"$work/out")" lit)")" instructions
     for target in cortex-m3 cortex-m4 cortex-m7; do
         line=$(tests/board/run.sh $target "$B/board/$target/shade.elf" "$input") || { echo "shade_rows: $target: $variant: $line" >&2; exit 1; }
