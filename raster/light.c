@@ -125,9 +125,10 @@ uint8_t raster_block_shift(const struct raster_view *v)
 
 /* What depends on l and v. */
 struct corner {
-    struct vec3 a, b;      /* Q15, at most 2^15 + 1 */
+    int32_t unit[6];       /* a and b, Q15, at most 2^15 + 1 */
     uint32_t sine, cosine; /* of theta_d, 1.0 = 2^27 */
 };
+enum { A_X, A_Y, A_Z, B_X, B_Y, B_Z };
 
 /* (|l+v|/2)^2 and (|l-v|/2)^2, Q30, at least 1: cos^2 and sin^2 of theta_d. Exact but for their last bit, as sums of squares of Q15. */
 static inline void squares_find(uint32_t *cosine2, uint32_t *sine2, struct vec3 l, struct vec3 v)
@@ -169,8 +170,12 @@ static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
                            cross_unit(l.x, v.y, l.y, v.x, up, k)};
     const struct vec3 h = {unit15((l.x + v.x) * up_c, mc), unit15((l.y + v.y) * up_c, mc), /* <= 2^17 */
                            unit15((l.z + v.z) * up_c, mc)};
-    out->b = b;
-    out->a = (struct vec3){cross15(h.y, b.z, h.z, b.y), cross15(h.z, b.x, h.x, b.z), cross15(h.x, b.y, h.y, b.x)};
+    out->unit[A_X] = cross15(h.y, b.z, h.z, b.y);
+    out->unit[A_Y] = cross15(h.z, b.x, h.x, b.z);
+    out->unit[A_Z] = cross15(h.x, b.y, h.y, b.x);
+    out->unit[B_X] = b.x;
+    out->unit[B_Y] = b.y;
+    out->unit[B_Z] = b.z;
 }
 
 /* The quantity besides a and b that a material's model takes from l and v. */
@@ -208,7 +213,8 @@ static bool scales_b(const struct raster *r, const struct scene_material *m)
 static void scale_b(struct corner *c)
 {
     int32_t k = (int32_t)(c->cosine >> 12); /* Q15 */
-    c->b = (struct vec3){c->b.x * k >> 15, c->b.y * k >> 15, c->b.z * k >> 15};
+    for (int i = B_X; i <= B_Z; i++)
+        c->unit[i] = c->unit[i] * k >> 15;
 }
 
 /* A plane by least squares through the values at the corners (0,0), (e,0), (0,e), (e,e), e = 2^shift, kept within lo .. hi at
@@ -217,30 +223,50 @@ struct slope {
     int32_t base, dx, dy;
 };
 
-static struct slope slope_fit(const int32_t p[4], unsigned shift, int32_t lo, int32_t hi)
+static inline struct slope slope_fit(int32_t p0, int32_t p1, int32_t p2, int32_t p3, unsigned shift, int32_t lo,
+                                     int32_t hi)
 {
-    const int32_t last = (1 << shift) - 1;
+    const int32_t last = (1 << shift) - 1, down = p3 - p0, across = p1 - p2, half = 1 << shift;
     struct slope s; /* |p| <= 2^28 */
-    s.dx = (p[1] - p[0] + p[3] - p[2] + (1 << shift)) >> (shift + 1);
-    s.dy = (p[2] - p[0] + p[3] - p[1] + (1 << shift)) >> (shift + 1);
-    s.base = ((p[0] + p[1] + p[2] + p[3] + 2) >> 2) - (s.dx + s.dy) * (1 << shift) / 2;
-    int32_t least = s.base + last * (fx_min(s.dx, 0) + fx_min(s.dy, 0));
-    int32_t most = s.base + last * (fx_max(s.dx, 0) + fx_max(s.dy, 0));
-    s.base += least < lo ? lo - least : most > hi ? hi - most : 0;
+    s.dx = (down + across + half) >> (shift + 1);
+    s.dy = (down - across + half) >> (shift + 1);
+    s.base = ((p0 + p1 + p2 + p3 + 2) >> 2) - (s.dx + s.dy) * (half >> 1);
+    const int32_t least = s.base + last * (fx_min(s.dx, 0) + fx_min(s.dy, 0));
+    const int32_t most = s.base + last * (fx_max(s.dx, 0) + fx_max(s.dy, 0));
+    if (least < lo)
+        s.base += lo - least;
+    else if (most > hi)
+        s.base += hi - most;
     return s;
 }
 
-/* Of unit vectors' components: one in each half of the words. */
-static struct raster_plane plane_lanes(const int32_t low[4], const int32_t high[4], unsigned shift)
+/* What a's or b's corners (from unit[first] on) are multiplied by, less 1, Q15: a plane through unit vectors is shorter than 1
+ * between them, in the middle by (1 - |mean|^2)/2, on average by two thirds of that. */
+static int32_t shortfall(const struct corner c[4], int first)
 {
-    struct slope l = slope_fit(low, shift, -32767, 32767), h = slope_fit(high, shift, -32767, 32767);
-    return (struct raster_plane){(uint32_t)l.base + ((uint32_t)h.base << 16), (uint32_t)l.dx + ((uint32_t)h.dx << 16),
-                                 (uint32_t)l.dy + ((uint32_t)h.dy << 16)};
+    int32_t s = 1 << 30;
+    for (int i = first; i < first + 3; i++) {
+        const int32_t mean = (c[0].unit[i] + c[1].unit[i] + c[2].unit[i] + c[3].unit[i]) >> 2;
+        s -= mean * mean; /* |mean vector| <= 2^15 (1 + 2^-12) */
+    }
+    return s / 3 >> 15;
 }
 
-#define LANES(low, high)                                                                                               \
-    plane_lanes((const int32_t[4]){c[0].low, c[1].low, c[2].low, c[3].low},                                            \
-                (const int32_t[4]){c[0].high, c[1].high, c[2].high, c[3].high}, shift)
+static inline struct slope slope_of_unit(const struct corner c[4], int i, int32_t k, unsigned shift)
+{
+    const int32_t p0 = c[0].unit[i], p1 = c[1].unit[i], p2 = c[2].unit[i], p3 = c[3].unit[i];
+    return slope_fit(p0 + (p0 * k >> 15), p1 + (p1 * k >> 15), p2 + (p2 * k >> 15), p3 + (p3 * k >> 15), shift, -32767,
+                     32767);
+}
+
+/* Of two components, multiplied by 1 + k, in the halves of a word. */
+FX_NOINLINE static void plane_lanes(struct raster_plane *out, const struct corner c[4], int low, int32_t k_low,
+                                    int high, int32_t k_high, unsigned shift)
+{
+    const struct slope l = slope_of_unit(c, low, k_low, shift), h = slope_of_unit(c, high, k_high, shift);
+    *out = (struct raster_plane){(uint32_t)l.base + ((uint32_t)h.base << 16), (uint32_t)l.dx + ((uint32_t)h.dx << 16),
+                                 (uint32_t)l.dy + ((uint32_t)h.dy << 16)};
+}
 
 static uint32_t unit_lanes(int32_t low, int32_t high)
 {
@@ -250,8 +276,8 @@ static uint32_t unit_lanes(int32_t low, int32_t high)
 /* One pixel's block: no slopes. */
 static void planes_constant(struct raster_block_light *out, const struct corner *c, uint32_t term)
 {
-    const uint32_t value[PLANE_COUNT] = {unit_lanes(c->a.x, c->a.y), unit_lanes(c->b.x, c->b.y),
-                                         unit_lanes(c->a.z, c->b.z), term};
+    const uint32_t value[PLANE_COUNT] = {unit_lanes(c->unit[A_X], c->unit[A_Y]), unit_lanes(c->unit[B_X], c->unit[B_Y]),
+                                         unit_lanes(c->unit[A_Z], c->unit[B_Z]), term};
     for (int k = 0; k < PLANE_COUNT; k++)
         out->plane[k] = (struct raster_plane){value[k], 0, 0};
 }
@@ -260,23 +286,6 @@ static void set_direction(struct raster_block_light *out, struct vec3 l)
 {
     out->l_xy = unit_lanes(l.x, l.y);
     out->l_z = fx_clamp(l.z, -32767, 32767);
-}
-
-/* What corners are multiplied by, less 1, Q15: a plane through unit vectors is shorter than 1 between them, in the middle by
- * (1 - |mean|^2)/2, on average by two thirds of that. In: sums of four. */
-static int32_t shortfall(int32_t x, int32_t y, int32_t z)
-{
-    x >>= 2;
-    y >>= 2;
-    z >>= 2;
-    return ((1 << 30) - (x * x + y * y + z * z)) / 3 >> 15; /* |mean| <= 2^15 (1 + 2^-12) */
-}
-
-static void lengthen(struct vec3 *v, int32_t k)
-{
-    v->x += v->x * k >> 15;
-    v->y += v->y * k >> 15;
-    v->z += v->z * k >> 15;
 }
 
 static void light_planes(struct raster_block_light *out, const struct raster *r, const struct scene_material *m,
@@ -289,20 +298,13 @@ static void light_planes(struct raster_block_light *out, const struct raster *r,
         corner_find(&c[i], light->v, block->view[i]);
         term[i] = (int32_t)term_find(r, m, &c[i]);
     }
-    const int32_t a = shortfall(c[0].a.x + c[1].a.x + c[2].a.x + c[3].a.x, c[0].a.y + c[1].a.y + c[2].a.y + c[3].a.y,
-                                c[0].a.z + c[1].a.z + c[2].a.z + c[3].a.z);
-    const int32_t b = shortfall(c[0].b.x + c[1].b.x + c[2].b.x + c[3].b.x, c[0].b.y + c[1].b.y + c[2].b.y + c[3].b.y,
-                                c[0].b.z + c[1].b.z + c[2].b.z + c[3].b.z);
-    for (int i = 0; i < 4; i++) {
-        lengthen(&c[i].a, a);
-        lengthen(&c[i].b, b);
-        if (scales_b(r, m))
-            scale_b(&c[i]);
-    }
-    out->plane[PLANE_A_XY] = LANES(a.x, a.y);
-    out->plane[PLANE_B_XY] = LANES(b.x, b.y);
-    out->plane[PLANE_AB_Z] = LANES(a.z, b.z);
-    struct slope s = slope_fit(term, shift, 0, term_limit(r, m));
+    const int32_t a = shortfall(c, A_X), b = shortfall(c, B_X);
+    for (int i = 0; i < 4 && scales_b(r, m); i++)
+        scale_b(&c[i]);
+    plane_lanes(&out->plane[PLANE_A_XY], c, A_X, a, A_Y, a, shift);
+    plane_lanes(&out->plane[PLANE_B_XY], c, B_X, b, B_Y, b, shift);
+    plane_lanes(&out->plane[PLANE_AB_Z], c, A_Z, a, B_Z, b, shift);
+    const struct slope s = slope_fit(term[0], term[1], term[2], term[3], shift, 0, term_limit(r, m));
     out->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
     for (int k = 0; k < 3; k++)
         out->colour[k] = light->irradiance[k];
@@ -386,7 +388,8 @@ void raster_block_setup(struct raster_block *out, const struct raster *r, uint32
         int32_t p[4];
         for (int i = 0; i < 4; i++)
             p[i] = (k == 0 ? out->view[i].x : k == 1 ? out->view[i].y : out->view[i].z) * (1 << VIEW_PLANE_BITS);
-        struct slope s = shift ? slope_fit(p, shift, INT32_MIN, INT32_MAX) : (struct slope){p[0], 0, 0};
+        struct slope s =
+            shift ? slope_fit(p[0], p[1], p[2], p[3], shift, INT32_MIN, INT32_MAX) : (struct slope){p[0], 0, 0};
         out->plane[k] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
     }
 }
