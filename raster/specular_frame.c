@@ -4,9 +4,8 @@
  *   sin^2 of half of the table's theta_d is q, and its phi_d the azimuth of (n.l - n.v - 2 q n.l, -2 s n.b cos theta_d),
  * the components of the paper's rotated view direction times sin theta_in.
  */
-#include "block.h"
+#include "specular_frame.h"
 #include "func.h"
-#include "lut.h"
 
 /* sin^2(x/2), 1.0 = 2^30, to x. */
 static uint32_t angle_of(uint32_t s)
@@ -30,6 +29,10 @@ uint32_t raster_shade_specular_frame(struct raster_batch *b, uint32_t first, uin
                                      const struct raster_block_light *light)
 {
     const struct lut_table *t = r->frame.tables[r->frame.materials[b->material].slot];
+#ifdef RASTER_WIDE
+    if (!first && end >= 8)
+        return raster_specular_frame_wide(b, end, t, light);
+#endif
     struct raster_walk walk = {.y = UINT32_MAX};
     uint32_t lit = 0;
     for (uint32_t i = first; i < end; i++) {

@@ -176,6 +176,46 @@ static void half_vectors_of_eight_pixels_give_the_same_bits(void **state)
     assert_in_range(packed, ROUNDS / 10, ROUNDS * 9 / 10);
 }
 
+/* A batch of fewer than eight pixels takes the portable loop. */
+static void specular_frames_of_eight_pixels_give_the_same_bits(void **state)
+{
+    (void)state;
+    if (!raster_half_vector_wide)
+        skip();
+    static struct raster_batch b, want;
+    static struct raster r;
+    static const struct lut_table *tables[1] = {&k.table};
+    static const struct scene_material material = {.kind = SCENE_MATERIAL_MEASURED};
+    struct raster_block_light light;
+    struct lut_table *t = &k.table;
+    r.frame.tables = tables;
+    r.frame.materials = &material;
+    uint32_t lit = 0;
+    for (unsigned i = 0; i < ROUNDS; i++) {
+        if (i % 50 == 0) {
+            make_table(); /* for its texels */
+            t->kind = LUT_SPECULAR_FRAME;
+            t->swap = random32() % 2;
+            t->width = (uint32_t)between(2, 180);
+            t->height = (uint32_t)between(2, 90);
+            t->depth = (uint32_t)between(1, 4);
+            t->slice_scale = t->depth > 1 ? (t->depth - 1) * (1u << 16) * (uint32_t)between(2, 9) : 0;
+        }
+        make_light(&light);
+        light.plane[PLANE_TERM] = (struct raster_plane){(uint32_t)between(0, 1 << 27), 0, 0};
+        make_batch(&b);
+        b.count = b.count < 8 ? 8 : b.count;
+        want = b;
+        uint32_t count = 0;
+        for (uint32_t j = 0; j < b.count; j++)
+            count += raster_shade_specular_frame(&want, j, j + 1, &r, &light);
+        assert_int_equal(raster_shade_specular_frame(&b, 0, b.count, &r, &light), count);
+        assert_memory_equal(&b, &want, sizeof b);
+        lit += count;
+    }
+    assert_in_range(lit, ROUNDS * 8, ROUNDS * 32);
+}
+
 static void normals_of_eight_surfaces_give_the_same_bits(void **state)
 {
     (void)state;
@@ -221,6 +261,7 @@ static void normals_of_eight_surfaces_give_the_same_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(half_vectors_of_eight_pixels_give_the_same_bits),
+                                       cmocka_unit_test(specular_frames_of_eight_pixels_give_the_same_bits),
                                        cmocka_unit_test(normals_of_eight_surfaces_give_the_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
