@@ -44,12 +44,21 @@ static inline struct weights weights_find(const struct place *o)
     return (struct weights){64 * (256 - o->ft) - high0, low1, high0, high1};
 }
 
+/* Adds a texel's 15 bits, (mantissa << 6) >> down, by weight. Most texels are within 2^6 of their cell's largest and lose no bit. */
 static inline void tap(uint32_t s[3], uint32_t texel, uint32_t weight, uint32_t exponent)
 {
     const uint32_t down = (exponent - (texel >> 27)) & 31;
-    s[0] += ((texel & 511) << 6 >> down) * weight;
-    s[1] += ((texel >> 9 & 511) << 6 >> down) * weight;
-    s[2] += ((texel >> 18 & 511) << 6 >> down) * weight;
+    uint32_t r = texel & 511, g = texel >> 9 & 511, b = texel >> 18 & 511;
+    if (down > 6) {
+        r >>= down - 6;
+        g >>= down - 6;
+        b >>= down - 6;
+    } else {
+        weight <<= 6 - down; /* <= 2^20 */
+    }
+    s[0] += r * weight;
+    s[1] += g * weight;
+    s[2] += b * weight;
 }
 
 /* Sums of a row, below 2^29, times 2^(E - 44): from texels of planes d and d+1. */
