@@ -11,6 +11,11 @@
 
 #include "raster.h"
 
+/* Eight pixels at once, see wide.h. The bits are the same. */
+#if defined(__AVX2__)
+#define RASTER_WIDE
+#endif
+
 /* Guard band: coordinates within +-2^13 px of the picture's centre, thus within +-(2^13 + 2^12) px of any tile. */
 #define GUARD_BITS 13
 /* A small meshlet's extent in 24.8: below 63 px, so that coordinates from a tile it touches fit 16 bits. */
@@ -209,6 +214,8 @@ void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const 
 /* tone.c: exposed linear radiance of `count` pixels to finished ones in `format`, each in 32 bits: RGB565, or 0x00BBGGRR for RGB888. In
  * place: out may be where radiance is. */
 void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count, uint8_t tone_curve, uint8_t format);
+/* tone_wide.c, where RASTER_WIDE: lut_srgb8 of `count` values, and of what follows them up to a multiple of eight. */
+void raster_srgb_wide(uint8_t code[3 * RASTER_BATCH], const uq12_20_t *linear, uint32_t count);
 /* Display bytes 0x00BBGGRR in `format`. */
 uint32_t raster_pack(uint32_t bgr, uint8_t format);
 uint32_t raster_background(const struct raster_frame *f, uint8_t format);

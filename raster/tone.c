@@ -69,6 +69,15 @@ void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count
         }
         return;
     }
+#ifdef RASTER_WIDE
+    if (tone_curve == SCENE_TONE_NONE) {
+        uint8_t code[3 * RASTER_BATCH];
+        raster_srgb_wide(code, radiance[0], 3 * count);
+        for (uint32_t i = 0; i < count; i++)
+            out[i] = pack(code[3 * i], code[3 * i + 1], code[3 * i + 2], format);
+        return;
+    }
+#endif
     for (uint32_t i = 0; i < count; i++) {
         uint32_t c[3] = {radiance[i][0], radiance[i][1], radiance[i][2]};
         if (tone_curve == SCENE_TONE_ACES)

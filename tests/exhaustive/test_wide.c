@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "func.h"
 #include "half_vector.h"
 
 enum { ROUNDS = 40000 };
@@ -17,6 +18,7 @@ enum { ROUNDS = 40000 };
 /* Null where the library was not built for AVX2. */
 extern raster_half_vector raster_half_vector_wide __attribute__((weak));
 extern __typeof__(raster_gather_wide) raster_gather_wide __attribute__((weak));
+extern __typeof__(raster_srgb_wide) raster_srgb_wide __attribute__((weak));
 
 static uint64_t seed = 1;
 
@@ -258,10 +260,33 @@ static void normals_of_eight_surfaces_give_the_same_bits(void **state)
     }
 }
 
+static void srgb_of_eight_values_is_the_same(void **state)
+{
+    (void)state;
+    if (!raster_half_vector_wide)
+        skip();
+    enum { COUNT = 3 * RASTER_BATCH };
+    for (uint32_t x = 0; x < 1 << 21; x += COUNT) {
+        uq12_20_t linear[COUNT];
+        uint8_t code[COUNT];
+        for (uint32_t i = 0; i < COUNT; i++)
+            linear[i] = i % 16 ? x + i : INT32_MAX - x / COUNT;
+        raster_srgb_wide(code, linear, COUNT);
+        for (uint32_t i = 0; i < COUNT; i++)
+            assert_int_equal(code[i], lut_srgb8(linear[i]));
+        for (uint32_t i = 0; i < COUNT; i++)
+            linear[i] = x + i;
+        raster_srgb_wide(code, linear, COUNT);
+        for (uint32_t i = 0; i < COUNT; i++)
+            assert_int_equal(code[i], lut_srgb8(linear[i]));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(half_vectors_of_eight_pixels_give_the_same_bits),
                                        cmocka_unit_test(specular_frames_of_eight_pixels_give_the_same_bits),
+                                       cmocka_unit_test(srgb_of_eight_values_is_the_same),
                                        cmocka_unit_test(normals_of_eight_surfaces_give_the_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
