@@ -4,19 +4,21 @@
  */
 #include "phong.h"
 
-/* (n+2)/(2 pi) ks, uq16_16: at most 652. */
-static inline uint32_t peak_scale(const struct scene_material *m, int k)
+/* (n+2)/(2 pi), uq16_16: at most 652. */
+static inline uint32_t peak_scale(const struct scene_material *m)
 {
-    return (uint32_t)((uint64_t)fx_over_pi((m->exponent >> 1) + (1u << 16)) * m->ks[k] >> 16);
+    return fx_over_pi((m->exponent >> 1) + (1u << 16));
 }
 
-/* False when a pixel's sum may exceed RASTER_LIGHT_LIMIT: n.l is at most 1 + 2^-12. */
-static inline bool colour_find(struct phong_colour *c, const struct scene_material *m, int k, uq16_16_t irradiance)
+/* Returns 64 or more when a pixel's sum may exceed RASTER_LIGHT_LIMIT, where n.l is at most 1 + 2^-12: when the diffuse part's product is
+ * above 2^49, thus 32 display whites, or the lobe's above 2^43, thus 64. In: peak_scale(m) << 6; ks <= 1. */
+static inline uint32_t colour_find(struct phong_colour *c, uint32_t scale, uq16_16_t kd, uq16_16_t ks,
+                                   uq16_16_t irradiance)
 {
-    uint64_t d = (uint64_t)fx_over_pi(m->kd[k] << 12) * irradiance >> 22; /* 2^26.4 2^32 before the shift */
-    uint64_t s = (uint64_t)peak_scale(m, k) * irradiance >> 9;            /* 2^25.4 2^32 */
-    *c = (struct phong_colour){(uint32_t)d, (uint32_t)s};
-    return 2 * d + s <= (uint64_t)(RASTER_LIGHT_LIMIT - (1 << 16)) << 3;
+    const uint64_t d = (uint64_t)fx_over_pi(kd << 12) * irradiance;        /* 2^26.4 2^32 */
+    const uint64_t s = (uint64_t)fx_mulhi_u(scale, ks << 15) * irradiance; /* 2^30.4 2^32 */
+    *c = (struct phong_colour){(uint32_t)(d >> 22), (uint32_t)(s >> 14)};
+    return (uint32_t)(d >> 32) >> 11 | (uint32_t)(s >> 32) >> 5;
 }
 
 static uint32_t shade_bounded(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster_lobe *lobe,
@@ -27,7 +29,7 @@ static uint32_t shade_bounded(struct raster_batch *b, uint32_t first, uint32_t e
     k->end = &b->pixel[end];
     k->offset = lobe->offset;
     k->nodes = (uintptr_t)lobe->node + 2 * 16 * (7u + lobe->shift);
-    raster_phong_loop(&b->pixel[first], b->radiance[first], light, k);
+    raster_shade_lafortune_phong_loop(&b->pixel[first], b->radiance[first], light, k);
     return end - first - k->unlit / sizeof b->pixel[0];
 #else
     uint32_t lit = 0;
@@ -65,7 +67,8 @@ static void bright_find(struct bright *c, const struct scene_material *m, const 
     uint64_t peak[3];
     c->drop = 0;
     for (int k = 0; k < 3; k++) {
-        peak[k] = (uint64_t)peak_scale(m, k) * irradiance[k] >> 12; /* 2^25.4 2^32 */
+        peak[k] =
+            (uint64_t)(uint32_t)((uint64_t)peak_scale(m) * m->ks[k] >> 16) * irradiance[k] >> 12; /* 2^25.4 2^32 */
         while (peak[k] >> c->drop >> 31)
             c->drop++;
         c->diffuse[k] = raster_diffuse_colour(m->kd[k], irradiance[k]);
@@ -74,8 +77,9 @@ static void bright_find(struct bright *c, const struct scene_material *m, const 
         c->specular[k] = (uint32_t)(peak[k] >> c->drop);
 }
 
-static uint32_t shade_bright(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster_lobe *lobe,
-                             const struct raster_block_light *light, const struct scene_material *m)
+static FX_NOINLINE uint32_t shade_bright(struct raster_batch *b, uint32_t first, uint32_t end,
+                                         const struct raster_lobe *lobe, const struct raster_block_light *light,
+                                         const struct scene_material *m)
 {
     struct bright c;
     uint32_t lit = 0;
@@ -104,8 +108,9 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, ui
     const struct raster_lobe *lobe = &r->lobes[r->lobe_of_material[b->material]];
     const struct scene_material *m = &r->frame.materials[b->material];
     struct phong_loop k;
-    bool bounded = colour_find(&k.colour[1], m, 0, light->colour[0]);
-    bounded &= colour_find(&k.colour[2], m, 1, light->colour[1]);
-    bounded &= colour_find(&k.colour[0], m, 2, light->colour[2]);
-    return bounded ? shade_bounded(b, first, end, lobe, light, &k) : shade_bright(b, first, end, lobe, light, m);
+    const uint32_t scale = peak_scale(m) << 6; /* < 2^32 */
+    uint32_t bright = colour_find(&k.colour[1], scale, m->kd[0], m->ks[0], light->colour[0]);
+    bright |= colour_find(&k.colour[2], scale, m->kd[1], m->ks[1], light->colour[1]);
+    bright |= colour_find(&k.colour[0], scale, m->kd[2], m->ks[2], light->colour[2]);
+    return bright >= 64 ? shade_bright(b, first, end, lobe, light, m) : shade_bounded(b, first, end, lobe, light, &k);
 }

@@ -30,8 +30,8 @@ struct phong_loop {
     __ARM_ARCH_ISA_THUMB == 2 && !defined(__ARM_BIG_ENDIAN)
 #define PHONG_ARM
 /* phong_arm.c: adds the light to the pixels from `pixel` to k->end. In: k->unlit = 0. */
-void raster_phong_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
-                       const struct raster_block_light *light, struct phong_loop *k);
+void raster_shade_lafortune_phong_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
+                                       const struct raster_block_light *light, struct phong_loop *k);
 #endif
 
 #endif

@@ -69,12 +69,12 @@ _Static_assert(sizeof(struct raster_batch_pixel) == 16 && offsetof(struct raster
 #endif
 
 __asm__("    .syntax unified\n"
-        "    .section .text.raster_phong_loop, \"ax\", %progbits\n"
-        "    .global raster_phong_loop\n"
-        "    .type   raster_phong_loop, %function\n"
+        "    .section .text.raster_shade_lafortune_phong_loop, \"ax\", %progbits\n"
+        "    .global raster_shade_lafortune_phong_loop\n"
+        "    .type   raster_shade_lafortune_phong_loop, %function\n"
         "    .thumb_func\n"
         "    .p2align 3\n"
-        "raster_phong_loop:\n"
+        "raster_shade_lafortune_phong_loop:\n"
         "    push    {r4-r11, lr}\n"
         "    sub     sp, sp, #60\n"
         "    add     lr, r3, #16\n"
@@ -168,7 +168,7 @@ __asm__("    .syntax unified\n"
         "    bne     1b\n"
         "9:  add     sp, sp, #60\n"
         "    pop     {r4-r11, pc}\n"
-        "    .size   raster_phong_loop, . - raster_phong_loop\n"
+        "    .size   raster_shade_lafortune_phong_loop, . - raster_shade_lafortune_phong_loop\n"
         "    .text\n");
 
 #endif
