@@ -3,13 +3,13 @@
 # changed first. In seconds; the same sphere and lights for every material.
 #   tests/board/shade.sh TARGET half_vector|specular_frame TABLE.ktx2
 #   tests/board/shade.sh TARGET lafortune_phong|blinn_phong|metallic_roughness
-# TARGET input: only makes the input and prints its name. Environment: B (build folder); PROFILE=1: instructions by function, too,
-# of the whole program.
+# TARGET input: only makes the input and prints its name. Environment: B (build folder); EXPONENT: of the Phong models, 24;
+# PROFILE=1: instructions by function, too, of the whole program.
 set -eu
 cd "$(dirname "$0")/../.."
 B=${B:-build}
 target=$1 model=$2 table=${3-}
-phong='"kd": [0.10, 0.06, 0.015], "ks": [0.85, 0.64, 0.28], "exponent": 24'
+phong='"kd": [0.10, 0.06, 0.015], "ks": [0.85, 0.64, 0.28], "exponent": '${EXPONENT:-24}
 case $model in
 half_vector | specular_frame) material='"model": "measured", "slot": 0' ;;
 lafortune_phong | blinn_phong) material="\"model\": \"$model\", $phong" ;;

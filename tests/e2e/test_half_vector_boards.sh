@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The half-vector kernels on the emulated boards: those in assembly for Cortex-M, from the re-packed copy, give the bits that portable C
-# gives from the texels, on every board.
+# Kernels in assembly for Cortex-M on the emulated boards. The half-vector table's, from the re-packed copy, give the bits that portable C
+# gives from the texels, on every board; Lafortune-Phong's those of portable C on RV32.
 set -u
 B=${B:-build}
 work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
@@ -18,7 +18,7 @@ awk 'BEGIN {
     }
 }' >>"$work/sharp.csv"
 n=0
-echo 1..2
+echo 1..3
 for size in 64x16x4 96x8x4; do
     n=$((n + 1))
     problems=
@@ -41,3 +41,23 @@ for size in 64x16x4 96x8x4; do
         sed 's/^/# /' <<<"$problems"
     fi
 done
+
+# A lobe without end; a broad one; a narrow one.
+problems=
+for exponent in 0 24 150; do
+    hashes=
+    for target in $targets; do
+        said=$(B=$B EXPONENT=$exponent tests/board/shade.sh $target lafortune_phong 2>&1)
+        line=$(grep -o 'lit [0-9]*\|hash [0-9a-f]*\|shaded [0-9]*' <<<"$said" | tr '\n' ' ')
+        read -r _ lit _ hash _ shaded <<<"$line"
+        [ -n "$line" ] && [ "$lit" = "$shaded" ] || problems+="$target, exponent $exponent: $said"$'\n'
+        hashes+="$hash $target, exponent $exponent"$'\n'
+    done
+    [ "$(cut -d' ' -f1 <<<"${hashes%$'\n'}" | sort -u | wc -l)" = 1 ] || problems+=$hashes
+done
+if [ -z "$problems" ]; then
+    echo "ok 3 - lafortune_phong_gives_the_same_bits_by_every_kernel"
+else
+    echo "not ok 3 - lafortune_phong_gives_the_same_bits_by_every_kernel"
+    sed 's/^/# /' <<<"$problems"
+fi

@@ -4,6 +4,7 @@
  *   lit              pixel-lights with n.l > 0 and n.v > 0
  *   per_pixel_light  one by the other
  *   hash             FNV-1a of all radiances
+ *   shaded           pixel-lights that the rasterizer says it evaluated
  *   covered, gather  pixels, and instructions for each that shading takes without lights: finding and gathering them, storing what
  *                    was shaded; tone curve and packing are in neither
  */
@@ -13,6 +14,7 @@
 static struct sphere sphere;
 static uint32_t hash = REPORT_HASH_START;
 static bool hashing;
+static uint32_t shaded; /* of all pictures */
 
 void sphere_radiance(uint32_t *out, uq12_20_t radiance[][3], uint32_t count)
 {
@@ -30,6 +32,7 @@ __attribute__((noinline)) static uint32_t picture(bool shade)
         sphere_fill(&sphere, i);
         if (shade)
             raster_shade_tile(&sphere.raster, &sphere.tile, &sphere.rect, &stats);
+        shaded += stats.shaded;
     }
     return board_clock() - start;
 }
@@ -61,6 +64,7 @@ _Noreturn void board_main(void)
     hashing = true;
     picture(true);
     hashing = false;
+    const uint32_t evaluated = shaded;
     const uint32_t bright = picture(true), fill = picture(false);
     checked(sphere_begin(&sphere, false));
     const uint32_t dark = picture(true);
@@ -69,6 +73,7 @@ _Noreturn void board_main(void)
     report_number("lit", lit);
     report_ratio("per_pixel_light", bright - dark, lit);
     report_hex("hash", hash);
+    report_number("shaded", evaluated);
     report_number("covered", covered);
     report_ratio("gather", dark - fill, covered);
     report_text("\n");
