@@ -94,13 +94,17 @@ static inline bool raster_walk_pixel(struct raster_pixel *p, struct raster_walk 
 }
 
 /* (1-x)^m for x = 0..1 by table: with y = 2^shift x, 2^shift the power of two at or above m, nodes stand at
- * y + 2^-5 = 2^(k/16 - 5) (1 + (k%16)/16); linear between, 0 from 16 on. Error below 4e-4 of the peak. */
+ * y + 2^-5 = 2^(k/16 - 5) (1 + (k%16)/16); linear between, 0 from 16 on. Error below 4e-4 of the peak. shift is 0 for m <= 1. */
 #define LOBE_NODES 145
 struct raster_lobe {
     uint16_t node[LOBE_NODES]; /* 1.0 = 65535 */
     uint16_t shift;
-    uint32_t offset; /* 2^-5 in x, 1.0 = 2^28 */
+    uint32_t offset;   /* 2^-5 in x, 1.0 = 2^28 */
+    uint32_t exponent; /* m, uq16_16 */
 };
+
+/* The same without the table, for m <= 1: there (1-x)^m ends in a kink, or steeper, which nodes would round off. */
+uint32_t raster_lobe_exact(const struct raster_lobe *l, uint32_t x);
 
 /* In: m uq16_16, at most 2^12. */
 void raster_lobe_setup(struct raster_lobe *l, uint32_t m);
@@ -108,8 +112,10 @@ void raster_lobe_setup(struct raster_lobe *l, uint32_t m);
 /* 1.0 = 65535 << 15. In: x with 1.0 = 2^28, at most 8. */
 static inline uint32_t raster_lobe_at(const struct raster_lobe *l, uint32_t x)
 {
+    if (!l->shift)
+        return raster_lobe_exact(l, x);
     x += l->offset;
-    if (x >> 1 >> (31 - l->shift))
+    if (x >> (32 - l->shift))
         return 0;
     x <<= l->shift;
     unsigned zeros = fx_clz(x); /* 0 .. 8 */
@@ -146,9 +152,6 @@ struct raster_block {
     uint32_t ready; /* bit i: light[i] holds frame light i's planes for the batch's material */
 };
 
-#if defined(__AVX2__)
-#define RASTER_WIDE
-#endif
 /* gather_wide.c, where RASTER_WIDE: eight pixels of a batch from surfaces of one slot side by side, whose first is at `at`; `frame` and
  * `shift` as raster_eye_normal takes them, view as wide as its planes are, at the first pixel. Returns four bits for each
  * pixel whose n.v is below 2^-7. */

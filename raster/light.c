@@ -84,6 +84,7 @@ void raster_lobe_setup(struct raster_lobe *l, uint32_t m)
     while (l->shift < 12 && m > 1u << (16 + l->shift))
         l->shift++;
     l->offset = 1u << 23 >> l->shift;
+    l->exponent = m;
     for (uint32_t k = 0; k < LOBE_NODES; k++) {
         uint32_t y = k == LOBE_NODES - 1 ? UINT32_MAX : (16 + k % 16) << 19 << k / 16; /* 1.0 = 2^28; below 16 */
         uint32_t x = (y >> l->shift) - l->offset, power = m ? 0 : 1u << 30;
@@ -112,6 +113,17 @@ void raster_cull_lights(const struct raster *r, struct raster_tile *t, const str
     for (uint32_t i = r->directional; i < r->frame.light_count; i++)
         if (raster_light_box_reached(&box, &r->lights[i].v, r->lights[i].radius))
             t->light_reaches[i / 32] |= 1u << i % 32;
+}
+
+uint32_t raster_lobe_exact(const struct raster_lobe *l, uint32_t x)
+{
+    if (!l->exponent)
+        return 65535u << 15;
+    if (x >= 1u << 28)
+        return 0;
+    uint32_t y = (uint32_t)((uint64_t)((28u << 25) - lut_log2((1u << 28) - x)) * l->exponent >> 16); /* < 2^30 */
+    uint32_t power = lut_exp2_neg(y) << 1;
+    return power < 65535u << 15 ? power : 65535u << 15;
 }
 
 uint8_t raster_block_shift(const struct raster_view *v)
