@@ -56,7 +56,7 @@ static uint32_t shade_bounded(struct raster_batch *b, uint32_t first, uint32_t e
 #endif
 }
 
-/* Peaks with 20 fraction bits, without their `drop` lowest, so that they are below 2^31. */
+/* For what the loop does not take. Peaks with 20 fraction bits, without their `drop` lowest, so that they are below 2^31. */
 struct bright {
     uint32_t diffuse[3], specular[3];
     unsigned drop;
@@ -112,5 +112,7 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, ui
     uint32_t bright = colour_find(&k.colour[1], scale, m->kd[0], m->ks[0], light->colour[0]);
     bright |= colour_find(&k.colour[2], scale, m->kd[1], m->ks[1], light->colour[1]);
     bright |= colour_find(&k.colour[0], scale, m->kd[2], m->ks[2], light->colour[2]);
-    return bright >= 64 ? shade_bright(b, first, end, lobe, light, m) : shade_bounded(b, first, end, lobe, light, &k);
+    if (bright >= 64 || !lobe->shift) /* the loop has no exact lobe */
+        return shade_bright(b, first, end, lobe, light, m);
+    return shade_bounded(b, first, end, lobe, light, &k);
 }
