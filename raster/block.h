@@ -11,8 +11,8 @@
  * (a plane through them by least squares), v itself never as constant.
  *
  * Bound: a block is as large as makes v turn by at most 2^-4 over its edge, and a and b, which turn by that over |l x v|, by at most
- * 1/6. A chord is off by at most 1/8 of the turn's square: v by 2^-11, a and b by 2^-8.2 of their length, half of it after the
- * fit. Where |l x v| is too small for any block, and for point lights, every pixel is a block of its own.
+ * 1/8. A chord is off by at most 1/8 of the turn's square: v by 2^-11, a and b by 2^-9 of their length, of which planes are made up
+ * for the mean. Where |l x v| is too small for any block, and for point lights, every pixel is a block of its own.
  */
 #ifndef RASTER_BLOCK_H
 #define RASTER_BLOCK_H
