@@ -11,6 +11,8 @@
 
 #include "block.h"
 
+#ifdef RASTER_WIDE
+
 typedef uint32_t wide __attribute__((vector_size(32)));
 typedef int32_t wide_int __attribute__((vector_size(32)));
 typedef uint64_t wide_long __attribute__((vector_size(32)));
@@ -245,4 +247,5 @@ static inline void wide_add_radiance(struct raster_batch *b, const struct wide_p
             b->radiance[p->index[first + j]][k] += lane[k][j];
 }
 
+#endif
 #endif

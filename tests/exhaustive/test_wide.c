@@ -15,7 +15,9 @@
 
 enum { ROUNDS = 40000 };
 
-/* Null where the library was not built for AVX2. */
+/* Null where the library was not built for AVX2, which this file is not either; a weak name does not bring what it stands for out of a
+ * library, but these do. */
+void (*const users[])(void) = {(void (*)(void))raster_shade_tile, (void (*)(void))raster_finish_pixels};
 extern raster_half_vector raster_half_vector_wide __attribute__((weak));
 extern __typeof__(raster_gather_wide) raster_gather_wide __attribute__((weak));
 extern __typeof__(raster_srgb_wide) raster_srgb_wide __attribute__((weak));
