@@ -139,6 +139,6 @@ frame_rows() { # variant tables_suffix
     done
 }
 frame_rows full 64K_packed
-frame_rows full_portable 64K
+frame_rows full_plain 64K # without the re-packed copy
 frame_rows full_specular_frame specular_frame
 "$B/bench/bench_models"
