@@ -45,7 +45,7 @@ static uint32_t shade_bounded(struct raster_batch *b, uint32_t first, uint32_t e
         const uint32_t power = (uint32_t)(sum >> 32);
         uint32_t *out = b->radiance[i];
         for (int c = 0; c < 3; c++) {
-            const struct phong_colour *colour = &k->colour[c == 2 ? 0 : c + 1];
+            const struct phong_colour *colour = &k->colour[c];
             sum = (uint64_t)out[c] << 32 | (uint32_t)sum;
             sum += (uint64_t)colour->diffuse * nl;
             sum += (uint64_t)colour->specular * power;
@@ -109,9 +109,9 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, ui
     const struct scene_material *m = &r->frame.materials[b->material];
     struct phong_loop k;
     const uint32_t scale = peak_scale(m) << 6; /* < 2^32 */
-    uint32_t bright = colour_find(&k.colour[1], scale, m->kd[0], m->ks[0], light->colour[0]);
-    bright |= colour_find(&k.colour[2], scale, m->kd[1], m->ks[1], light->colour[1]);
-    bright |= colour_find(&k.colour[0], scale, m->kd[2], m->ks[2], light->colour[2]);
+    uint32_t bright = colour_find(&k.colour[0], scale, m->kd[0], m->ks[0], light->colour[0]);
+    bright |= colour_find(&k.colour[1], scale, m->kd[1], m->ks[1], light->colour[1]);
+    bright |= colour_find(&k.colour[2], scale, m->kd[2], m->ks[2], light->colour[2]);
     if (bright >= 64 || !lobe->shift) /* the loop has no exact lobe */
         return shade_bright(b, first, end, lobe, light, m);
     return shade_bounded(b, first, end, lobe, light, &k);

@@ -21,9 +21,9 @@ struct phong_colour {
 struct phong_loop {
     uint32_t unlit; /* bytes of the batch's pixels that the light does not reach */
     const struct raster_batch_pixel *end;
-    struct phong_colour colour[3]; /* blue, red, green: as the loop loads them */
-    uint32_t offset;               /* the lobe's */
-    uintptr_t nodes;               /* its node of index 0, were clz 0 */
+    struct phong_colour colour[3];
+    uint32_t offset; /* the lobe's */
+    uintptr_t nodes; /* its node of index 0, were clz 0 */
 };
 
 #if defined(__ARM_FEATURE_UNALIGNED) && defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' &&                    \

@@ -22,7 +22,7 @@ _Static_assert(sizeof(struct raster_batch_pixel) == 16 && offsetof(struct raster
 #define N_L                                                                                                            \
     "    smuad   r7, r3, r8\n"                                                                                         \
     "    smlabb  r7, r4, r9, r7\n"
-/* the place r6's planes; r5 = n.a, r8 = n.b */
+/* the place r6's planes; r5 = n.a, r8 = n.b, r11 = the lobe's offset, r12 = its nodes */
 #define N_AB                                                                                                           \
     "    ldm     sp, {r5, r8-r12}\n"                                                                                   \
     "    mla     r9, r6, r5, r9\n"                                                                                     \
@@ -30,6 +30,7 @@ _Static_assert(sizeof(struct raster_batch_pixel) == 16 && offsetof(struct raster
     "    mla     r12, r6, r11, r12\n"                                                                                  \
     "    smuad   r5, r3, r9\n"                                                                                         \
     "    smuad   r8, r3, r12\n"                                                                                        \
+    "    ldrd    r11, r12, [lr, #16]\n"                                                                                \
     "    smlabb  r5, r4, r10, r5\n"                                                                                    \
     "    smlabt  r8, r4, r10, r8\n"
 #else
@@ -65,7 +66,8 @@ _Static_assert(sizeof(struct raster_batch_pixel) == 16 && offsetof(struct raster
     "    asr     r9, r9, #16\n"                                                                                        \
     "    mul     r8, r10, r8\n"                                                                                        \
     "    mla     r8, r3, r9, r8\n"                                                                                     \
-    "    mla     r8, r4, r11, r8\n"
+    "    mla     r8, r4, r11, r8\n"                                                                                    \
+    "    ldrd    r11, r12, [lr, #16]\n"
 #endif
 
 __asm__("    .syntax unified\n"
@@ -95,33 +97,32 @@ __asm__("    .syntax unified\n"
         "    bne     6f\n"
         "3:\n" N_AB "    smull   r3, r4, r5, r5\n"
         "    smlal   r3, r4, r8, r8\n" /* r4 = s2 */
+        "    ldm     r1, {r8-r10}\n"
         /* the lobe */
-        "    ldrd    r5, r8, [lr, #16]\n"
-        "    add     r4, r5, r4, lsl #1\n"
-        "    cmp     r5, r4, lsr #9\n" /* the offset is 2^-9 of where the lobe ends */
+        "    add     r4, r11, r4, lsl #1\n"
+        "    cmp     r11, r4, lsr #9\n" /* the offset is 2^-9 of where the lobe ends */
         "    bls     8f\n"
         "    clz     r3, r4\n"
         "    lsl     r4, r4, r3\n"
         "    lsr     r5, r4, #27\n"
         "    sub     r5, r5, r3, lsl #4\n"
-        "    ldr     r5, [r8, r5, lsl #1]\n" /* both ends of the step */
+        "    ldr     r5, [r12, r5, lsl #1]\n" /* both ends of the step */
         "    ubfx    r4, r4, #12, #15\n"
+        "    ldmdb   lr, {r6, r11, r12}\n"
         "    uxth    r3, r5\n"
         "    sub     r5, r3, r5, lsr #16\n"
         "    lsl     r3, r3, #15\n"
         "    mls     r3, r5, r4, r3\n"
         "    umull   r3, r4, r3, r7\n" /* r4 = power */
-        /* colour */
-        "    ldm     r1, {r8-r10}\n"
+        /* colour; flags stay to the end */
+        "    cmp     r0, r6\n"
+        "    umlal   r3, r8, r11, r7\n"
+        "    umlal   r3, r8, r12, r4\n"
         "    ldm     lr, {r5, r6, r11, r12}\n"
-        "    umlal   r3, r8, r5, r7\n"
-        "    umlal   r3, r8, r6, r4\n"
-        "    umlal   r3, r9, r11, r7\n"
-        "    umlal   r3, r9, r12, r4\n"
-        "    ldmdb   lr, {r5, r6, r11}\n"
-        "    umlal   r3, r10, r6, r7\n"
-        "    umlal   r3, r10, r11, r4\n"
-        "    cmp     r0, r5\n"
+        "    umlal   r3, r9, r5, r7\n"
+        "    umlal   r3, r9, r6, r4\n"
+        "    umlal   r3, r10, r11, r7\n"
+        "    umlal   r3, r10, r12, r4\n"
         "    stm     r1!, {r8-r10}\n"
         "    bne     1b\n"
         "    b       9f\n"
@@ -156,14 +157,13 @@ __asm__("    .syntax unified\n"
         "    str     r5, [lr, #-16]\n"
         "    b       9f\n"
         /* outside of the lobe */
-        "8:  movs    r3, #0\n"
-        "    ldm     r1, {r8-r10}\n"
-        "    ldm     lr, {r5, r6, r11}\n"
-        "    ldrd    r12, r6, [lr, #-12]\n"
-        "    umlal   r3, r8, r5, r7\n"
-        "    umlal   r3, r9, r11, r7\n"
-        "    umlal   r3, r10, r6, r7\n"
-        "    cmp     r0, r12\n"
+        "8:  ldrd    r6, r11, [lr, #-12]\n"
+        "    movs    r3, #0\n"
+        "    ldm     lr, {r4, r5, r12}\n"
+        "    cmp     r0, r6\n"
+        "    umlal   r3, r8, r11, r7\n"
+        "    umlal   r3, r9, r4, r7\n"
+        "    umlal   r3, r10, r12, r7\n"
         "    stm     r1!, {r8-r10}\n"
         "    bne     1b\n"
         "9:  add     sp, sp, #60\n"
