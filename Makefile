@@ -53,13 +53,14 @@ AGAIN = @$(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JO
 all: $(B)/libgoniotile.a $(TOOLS:%=$(B)/%) $(B)/goniotile_oiio.so ## build the freestanding library, the simulator and the host tools
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*##' Makefile tests/board/board.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/board/board.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
               zlib1g-dev libgsl-dev libumockdev-dev umockdev libglib2.0-dev
 CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
-DEPS_CHECK := $(DEPS_DEMO) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox
+DEPS_FUZZ  := $(DEPS_DEMO) clang-14 libclang-rt-14-dev llvm-14
+DEPS_CHECK := $(DEPS_FUZZ) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox
 DEPS_BENCH := $(DEPS_DEMO) $(CROSS) valgrind
 
 deps-demo: ## install what `make demo` needs (Debian packages)
@@ -76,7 +77,7 @@ demo: deps-demo ## measure six materials, push them to the simulated device, wri
 
 check: deps-check ## build and run every test; ends with `N passed, N failed, N skipped`
 	$(AGAIN) check-built
-check-built: all demo-data tests
+check-built: all demo-data tests fuzz-programs
 	@B=$(B) CC=$(CC) tests/run.sh
 
 check-long: deps-check ## check with ten times the random cases, then built by clang -O3 and by gcc -O0, without sanitizers
@@ -186,6 +187,8 @@ $(B)/bench/bench_usb: $(B)/host/tests/bench/bench_usb.o $(FAULT_C:%.c=$(B)/host/
 	@mkdir -p $(@D)
 	$(CC) -o $@ $^ -lz -lm -ldl
 $(B)/host/tests/bench/bench_usb.o: HOST += -Itests/fault
+
+include tests/fuzz/fuzz.mk
 
 # --- installation ---
 BIN := $(DESTDIR)$(PREFIX)/bin

@@ -67,7 +67,7 @@ export OUT
 
 # Longest first, so that the end is not spent waiting for one of them.
 tests=()
-for t in tests/e2e/test_*.sh tests/cross.sh tests/exhaustive/test_*.c tests/golden/test_*.c tests/budget/test_*.c \
+for t in tests/e2e/test_*.sh tests/fuzz/test_*.sh tests/cross.sh tests/exhaustive/test_*.c tests/golden/test_*.c tests/budget/test_*.c \
     tests/fault/test_*.c tests/hard_cases/test_*.c tests/unit/test_*.c tests/lint.sh; do
     [ -e "$t" ] || continue
     [ $# = 0 ] && tests+=("$t")

@@ -471,7 +471,7 @@ int sim_out(struct sim *s, uint8_t endpoint, const void *data, size_t bytes)
         return SIM_STALL;
     do {
         size_t n = bytes - sent < packet ? bytes - sent : packet;
-        if (!queue_put(q, (const uint8_t *)data + sent, n))
+        if (!queue_put(q, sent ? (const uint8_t *)data + sent : data, n)) /* data may be NULL for no bytes */
             return sent ? (int)sent : SIM_NAK;
         sent += n;
     } while (sent < bytes);
