@@ -121,7 +121,7 @@ static void bad_fits_are_refused(void **state)
                    xasprintf("%s%.*s,4\n", fit_header, (int)(sizeof fit_row - 2), fit_row),
                    xasprintf("%spaint,x%s", fit_header, fit_row + 6)};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct bytes b = {(uint8_t *)bad[i], strlen(bad[i]), 0};
+        struct bytes b = {(uint8_t *)bad[i], strlen(bad[i])};
         assert_int_equal(exit_code_of(open_fit, &b), EXIT_BAD_INPUT);
         free(bad[i]);
     }
@@ -261,7 +261,7 @@ static void damaged_tables_are_refused(void **state)
     uint32_t texels[8] = {0};
     size_t bytes;
     uint8_t *file = ref_ktx2_make(2, 2, 2, texels, 60000, &bytes);
-    struct bytes b = {file, bytes - 4, 0};
+    struct bytes b = {file, bytes - 4};
     assert_int_equal(exit_code_of(open_table, &b), EXIT_BAD_INPUT);
     assert_non_null(strstr(child_message, "build the table again"));
     free(file);
