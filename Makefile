@@ -53,7 +53,7 @@ AGAIN = @$(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JO
 all: $(B)/libgoniotile.a $(TOOLS:%=$(B)/%) $(B)/goniotile_oiio.so ## build the freestanding library, the simulator and the host tools
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/board/board.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/prove/prove.mk tests/board/board.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
@@ -189,11 +189,13 @@ $(B)/bench/bench_usb: $(B)/host/tests/bench/bench_usb.o $(FAULT_C:%.c=$(B)/host/
 $(B)/host/tests/bench/bench_usb.o: HOST += -Itests/fault
 
 include tests/fuzz/fuzz.mk
+include tests/prove/prove.mk
 
 # --- installation ---
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
-PUBLIC_H := $(filter-out %/internal.h %/func_tables.h %/content.h %/messages.h %/point_light.h,$(wildcard lut/*.h raster/*.h firmware/*.h)) hal/hal.h
+PUBLIC_H := $(addprefix lut/,fixed.h func.h goniotile_version.h ktx2.h lut.h rgb9e5.h) raster/raster.h raster/scene.h hal/hal.h \
+            $(addprefix firmware/,app.h crc32.h protocol.h table_store.h usb_device.h usb_protocol.h)
 install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rules
 	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/goniotile \
 	    $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
