@@ -89,6 +89,15 @@ static void seed_files(void)
 
 /* --- streams --- */
 
+enum {
+    CAMERA = 12,
+    CAMERA_BYTES = 56,
+    OUTPUT = CAMERA + CAMERA_BYTES,
+    OUTPUT_BYTES = 8,
+    LIGHTS = OUTPUT + OUTPUT_BYTES,
+    LIGHT_BYTES = 32
+};
+
 struct stream {
     uint8_t data[8192];
     size_t bytes;
@@ -122,6 +131,27 @@ static void put_request(struct stream *s, unsigned type, const void *payload, si
     put(s, payload, bytes);
 }
 
+static void put_setting(struct stream *s, uint32_t setting, const void *value, size_t bytes)
+{
+    struct stream payload = {0};
+    put(&payload, &setting, sizeof setting);
+    if (setting == USB_SET_LIGHT)
+        put(&payload, (const uint32_t[1]){1}, 4);
+    put(&payload, value, bytes);
+    put_request(s, USB_MSG_SET, payload.data, payload.bytes);
+}
+
+/* Camera, output and a second light as the scene has them. */
+static void put_settings(struct stream *s, const uint8_t *scene)
+{
+    uint32_t lights;
+    memcpy(&lights, scene + LIGHTS, sizeof lights);
+    put_setting(s, USB_SET_CAMERA, scene + CAMERA, CAMERA_BYTES);
+    put_setting(s, USB_SET_OUTPUT, scene + OUTPUT, OUTPUT_BYTES);
+    put_setting(s, USB_SET_LIGHT, scene + lights, LIGHT_BYTES);
+    put_setting(s, USB_SET_MODEL, (const uint32_t[1]){1}, 4);
+}
+
 static void seed_protocol(void)
 {
     struct stream s = {0};
@@ -133,7 +163,7 @@ static void seed_protocol(void)
     put_push(&s, 1, table, bytes);
     put_request(&s, USB_MSG_INFO, NULL, 0);
     put_request(&s, USB_MSG_SELECT, (const uint16_t[2]){0, 0}, 4);
-    put_request(&s, USB_MSG_SET, (const uint32_t[2]){USB_SET_MODEL, 1}, 8);
+    put_settings(&s, scene);
     put_request(&s, USB_MSG_FRAME, NULL, 0);
     put_request(&s, USB_MSG_STATS, (const uint32_t[1]){1}, 4);
     put_request(&s, USB_MSG_VERIFY, (const uint32_t[1]){1}, 4);
