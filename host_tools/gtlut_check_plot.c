@@ -188,7 +188,7 @@ void check_plot(const struct check *c, const char *title, const char *path)
         die(EXIT_FILE, "%s: %s; is its folder there and writable?", file, strerror(errno));
     fclose(f);
     signal(SIGPIPE, SIG_IGN);
-    f = popen("gnuplot 2>&1 >/dev/null | head -c 300 >&2", "w");
+    f = popen("LC_ALL=C.UTF-8 gnuplot 2>&1 >/dev/null | head -c 300 >&2", "w");
     if (!f)
         die(EXIT_FILE, "--plot: %s; is gnuplot installed?", strerror(errno));
     fputs("set terminal svg size 1200,900 font 'Helvetica,13' background '#ffffff'\nset encoding utf8\nset output ", f);
