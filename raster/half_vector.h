@@ -29,25 +29,18 @@ typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint
                                     const struct raster_block_light *light);
 raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
 raster_half_vector raster_half_vector_packed; /* table->slabs != NULL */
-raster_half_vector raster_half_vector_arm;    /* the same where HALF_VECTOR_ARM; half_vector_arm.c */
-raster_half_vector raster_half_vector_wide;   /* any table, where HALF_VECTOR_WIDE; half_vector_wide.c */
-
-#if defined(__ARM_FEATURE_UNALIGNED) && defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' &&                    \
-    __ARM_ARCH_ISA_THUMB == 2 && !defined(__ARM_BIG_ENDIAN)
-#define HALF_VECTOR_ARM
-#elif defined(__AVX2__)
-#define HALF_VECTOR_WIDE
-#endif
+raster_half_vector raster_half_vector_arm;    /* the same where RASTER_ARM; half_vector_arm.c */
+raster_half_vector raster_half_vector_wide;   /* any table, where RASTER_WIDE; half_vector_wide.c */
 
 /* What is used for tables with and without a re-packed copy. */
-#ifdef HALF_VECTOR_ARM
+#ifdef RASTER_ARM
 #define HALF_VECTOR_PACKED raster_half_vector_arm
-#elif defined(HALF_VECTOR_WIDE)
+#elif defined(RASTER_WIDE)
 #define HALF_VECTOR_PACKED raster_half_vector_wide
 #else
 #define HALF_VECTOR_PACKED raster_half_vector_packed
 #endif
-#ifdef HALF_VECTOR_WIDE
+#ifdef RASTER_WIDE
 #define HALF_VECTOR_PLAIN raster_half_vector_wide
 #else
 #define HALF_VECTOR_PLAIN raster_half_vector_plain

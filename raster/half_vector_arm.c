@@ -3,7 +3,7 @@
  */
 #include "half_vector_arm.h"
 
-#ifdef HALF_VECTOR_ARM
+#ifdef RASTER_ARM
 
 #ifdef __ARM_FEATURE_DSP
 #define LOOP_MAX_H 64

@@ -8,7 +8,7 @@
  */
 #include "half_vector_arm.h"
 
-#if defined(HALF_VECTOR_ARM) && defined(__ARM_FEATURE_DSP)
+#if defined(RASTER_ARM) && defined(__ARM_FEATURE_DSP)
 __asm__("    .syntax unified\n"
         "    .section .text.raster_half_vector_loop, \"ax\", %progbits\n"
         "    .global raster_half_vector_loop\n"

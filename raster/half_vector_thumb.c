@@ -6,7 +6,7 @@
  */
 #include "half_vector_arm.h"
 
-#if defined(HALF_VECTOR_ARM) && !defined(__ARM_FEATURE_DSP)
+#if defined(RASTER_ARM) && !defined(__ARM_FEATURE_DSP)
 
 /* A row's sum of one channel, in a register; the others say where its four numbers are from r11 on: planes d and d+1 of node t, then
  * of t+1. Their weights are in r6, r5, r4, r3. Clobbers r12. */

@@ -15,6 +15,11 @@
 #if defined(__AVX2__)
 #define RASTER_WIDE
 #endif
+/* Loops in assembly for Cortex-M of ARMv7-M and later, bit-equal to the C: half_vector_arm.c, phong_arm.c. */
+#if defined(__ARM_FEATURE_UNALIGNED) && defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' &&                    \
+    __ARM_ARCH_ISA_THUMB == 2 && !defined(__ARM_BIG_ENDIAN)
+#define RASTER_ARM
+#endif
 
 /* Guard band: coordinates within +-2^13 px of the picture's centre, thus within +-(2^13 + 2^12) px of any tile. */
 #define GUARD_BITS 13

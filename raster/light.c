@@ -375,13 +375,13 @@ bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsign
     const struct vec3 v = raster_view_vector(r, x + half, y + half);
     /* The block's angle, 2^shift 2 step / axis, Q15 times axis. */
     const uint32_t angle = (uint32_t)((uint64_t)r->view.step << (shift + 16) >> VIEW_STEP_BITS);
+    const uint32_t need = angle * LEAST_CROSS / (uint32_t)r->view.axis; /* Q15, at most 2^14 */
     for (uint32_t i = 0; i < r->directional; i++) {
         const struct vec3 l = r->lights[i].v;
         uint32_t c2, s2;
         squares_find(&c2, &s2, l, v);
-        uint32_t cross2 = fx_mulhi_u(c2, s2);                         /* |l x v|^2 / 4, 2^28 */
-        uint32_t need = angle * LEAST_CROSS / (uint32_t)r->view.axis; /* Q15, below 2^13 */
-        if (cross2 >> 1 <= need * need >> 5)                          /* 2^27 on the left, of a quarter */
+        uint32_t cross2 = fx_mulhi_u(c2, s2); /* |l x v|^2 / 4, 2^28 */
+        if (cross2 >> 1 <= need * need >> 5)  /* 2^27 on the left, of a quarter */
             return false;
     }
     return true;

@@ -24,7 +24,7 @@ static inline uint32_t colour_find(struct phong_colour *c, uint32_t scale, uq16_
 static uint32_t shade_bounded(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster_lobe *lobe,
                               const struct raster_block_light *light, struct phong_loop *k)
 {
-#ifdef PHONG_ARM
+#ifdef RASTER_ARM
     k->unlit = 0;
     k->end = &b->pixel[end];
     k->offset = lobe->offset;

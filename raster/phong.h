@@ -26,9 +26,7 @@ struct phong_loop {
     uintptr_t nodes; /* its node of index 0, were clz 0 */
 };
 
-#if defined(__ARM_FEATURE_UNALIGNED) && defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' &&                    \
-    __ARM_ARCH_ISA_THUMB == 2 && !defined(__ARM_BIG_ENDIAN)
-#define PHONG_ARM
+#ifdef RASTER_ARM
 /* phong_arm.c: adds the light to the pixels from `pixel` to k->end. In: k->unlit = 0. */
 void raster_shade_lafortune_phong_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
                                        const struct raster_block_light *light, struct phong_loop *k);

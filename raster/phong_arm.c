@@ -7,7 +7,7 @@
  */
 #include "phong.h"
 
-#ifdef PHONG_ARM
+#ifdef RASTER_ARM
 
 _Static_assert(sizeof(struct raster_batch_pixel) == 16 && offsetof(struct raster_block_light, l_xy) == 48 &&
                    offsetof(struct raster_block_light, l_z) == 52 && PLANE_A_XY == 0 && PLANE_B_XY == 1 &&
