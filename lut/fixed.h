@@ -77,6 +77,11 @@ static inline uint32_t fx_sat31(uint64_t x)
     return x > INT32_MAX ? INT32_MAX : (uint32_t)x;
 }
 
+static inline uint64_t fx_magnitude(int64_t x)
+{
+    return x < 0 ? (uint64_t)0 - (uint64_t)x : (uint64_t)x;
+}
+
 static inline int32_t fx_min(int32_t a, int32_t b)
 {
     return a < b ? a : b;

@@ -55,14 +55,9 @@ static uint64_t square64(struct vec3_64 a)
     return (uint64_t)(a.x * a.x + a.y * a.y + a.z * a.z);
 }
 
-static int64_t dot64(struct vec3_64 a, struct vec3_64 b)
+static int64_t dot_vec3_64(struct vec3_64 a, struct vec3_64 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static uint64_t magnitude(int64_t x)
-{
-    return (uint64_t)(x < 0 ? -x : x);
 }
 
 /* Brought to unit length: 1.0 = 2^29. In: 1.0 = 2^15. 1/|a| is 1 + (1 - |a|^2)/2 near 1; components at most 2^15 + 64
@@ -117,7 +112,8 @@ struct lut_rgb lut_half_vector(const struct lut_table *t, struct vec3 n, struct 
     struct vec3_64 c = {(n1.y * h.z - n1.z * h.y) >> 29, (n1.z * h.x - n1.x * h.z) >> 29,
                         (n1.x * h.y - n1.y * h.x) >> 29};
     uint64_t h2 = square64(h), d2 = square64(d); /* 1.0 = 2^58, sum 4 */
-    struct real nh = real_make(magnitude(dot64(n1, h))), nd = real_make(magnitude(dot64(n1, d))); /* 1.0 = 2^58 */
+    struct real nh = real_make(fx_magnitude(dot_vec3_64(n1, h))),
+                nd = real_make(fx_magnitude(dot_vec3_64(n1, d))); /* 1.0 = 2^58 */
     struct real c2 = real_make(square64(c));
     uint32_t s2 = 0, t2 = 0;
     if (!nh.m) /* n.l and n.v of a unit in the last place */

@@ -96,8 +96,7 @@ static inline uq12_20_t reflected(uint32_t kd, uint32_t d, uint32_t ks, uint32_t
 }
 
 /* `coloured`: whether a light is not white. Compiled once for each. */
-__attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, const struct run *run,
-                                                               const bool coloured)
+__attribute__((always_inline)) static inline void run_shade(uq12_20_t *out, const struct run *run, const bool coloured)
 {
     const uint32_t yz = (uint32_t)(run->y * run->y) + (uint32_t)(run->z * run->z);
     const uint32_t start = (uint32_t)run->z * 52691u >> 16, slope = 1151051235u / (uint32_t)run->z; /* 0.804, 0.268 */
@@ -139,7 +138,7 @@ __attribute__((always_inline)) static inline void shade_pixels(uq12_20_t *out, c
     }
 }
 
-static void colour_setup(struct raster_batch *b, const struct raster *r, uint32_t material)
+static void run_colour_setup(struct raster_batch *b, const struct raster *r, uint32_t material)
 {
     b->diffuse_material = material + 1;
     for (unsigned i = 0; i < r->frame.light_count; i++)
@@ -156,7 +155,7 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     const struct raster_view *v = &r->view;
     struct run run;
     if (b->diffuse_material != slot->material + 1u)
-        colour_setup(b, r, slot->material);
+        run_colour_setup(b, r, slot->material);
     raster_slot_frame(run.frame, slot);
     run.normal_shift = slot->normal_shift;
     run.s = s;
@@ -186,7 +185,7 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
         coloured |= (e[0] ^ e[1]) | (e[0] ^ e[2]);
     }
     if (coloured)
-        shade_pixels(b->radiance[0], &run, true);
+        run_shade(b->radiance[0], &run, true);
     else
-        shade_pixels(b->radiance[0], &run, false);
+        run_shade(b->radiance[0], &run, false);
 }

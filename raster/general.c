@@ -119,7 +119,7 @@ static bool outside(const struct raster_vertex *a, const struct raster_vertex *b
            (a->x > right && b->x > right && c->x > right) || (a->y > bottom && b->y > bottom && c->y > bottom);
 }
 
-static struct raster_small pack(const struct raster_vertex *v)
+static struct raster_small pack_vertex(const struct raster_vertex *v)
 {
     return (struct raster_small){((uint32_t)(v->x - 128) & 0xffff) | (uint32_t)(v->y - 128) << 16, v->inv_w,
                                  ((uint32_t)v->u & 0xffff) | (uint32_t)v->v << 16};
@@ -142,7 +142,7 @@ void raster_draw_general(struct raster_tile *t, const struct raster_vertex *a, c
     far = far < c->inv_w ? far : c->inv_w;
     if (x1 - x0 <= SMALL_EXTENT && y1 - y0 <= SMALL_EXTENT &&
         near - far <= SMALL_DEPTH) { /* and touches the tile: a small one after all */
-        const struct raster_small sa = pack(a), sb = pack(b), sc = pack(c);
+        const struct raster_small sa = pack_vertex(a), sb = pack_vertex(b), sc = pack_vertex(c);
         raster_fill_small(t, &sa, &sb, &sc, (uint32_t)area, slot, stats);
     } else {
         raster_fill_general(t, a, b, c, (uint64_t)area, slot, stats);

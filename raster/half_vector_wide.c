@@ -5,7 +5,7 @@
 #include "half_vector.h"
 #include "wide.h"
 
-struct lanes {
+struct half_vector_lanes {
     struct wide_pixels p;
     wide na2[WIDE_GROUPS], y[WIDE_GROUPS], term[WIDE_GROUPS]; /* as half_vector.h has them */
     wide ratio[WIDE_GROUPS], t2[WIDE_GROUPS], hf[WIDE_GROUPS];
@@ -18,7 +18,7 @@ struct lanes {
     wide scale0[WIDE_GROUPS], scale1[WIDE_GROUPS];
 };
 
-static void squares_find(struct lanes *o, const struct raster_plane plane[PLANE_COUNT])
+static void wide_squares_find(struct half_vector_lanes *o, const struct raster_plane plane[PLANE_COUNT])
 {
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
         const wide x = o->p.at[i] & 255, y = o->p.at[i] >> 8, xy = o->p.normal_xy[i], z = o->p.normal_z[i];
@@ -32,7 +32,7 @@ static void squares_find(struct lanes *o, const struct raster_plane plane[PLANE_
 }
 
 /* Where the warp is read, and na2/(y >> 10): its approximation is off by at most one either way. In: y < 2^29. */
-static void near_find(struct lanes *o)
+static void near_find(struct half_vector_lanes *o)
 {
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
         const wide na2 = o->na2[i], y = o->y[i], den = y >> 10, half = y >> 28;
@@ -46,7 +46,7 @@ static void near_find(struct lanes *o)
 }
 
 /* n.l / ((n.l + n.v) >> 15): the approximation is at most 3 too small. Then t2. */
-static void ratio_find(struct lanes *o)
+static void ratio_find(struct half_vector_lanes *o)
 {
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
         const wide nl = o->p.nl[i], den = (nl + o->p.nv[i]) >> 15; /* 2^7 .. 2^16 + 2^4 */
@@ -64,7 +64,7 @@ static void ratio_find(struct lanes *o)
 }
 
 /* Cells, and weights of texels. `step`: words from a texel to the next in t, h and d. */
-static void cell_find(struct lanes *o, const struct lut_table *t, const uint32_t step[3])
+static void cell_find(struct half_vector_lanes *o, const struct lut_table *t, const uint32_t step[3])
 {
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
         const wide w0 = o->warp[i] & 0xffff, w1 = o->warp[i] >> 16, u = (w0 << 11) + (w1 - w0) * o->warp_fraction[i];
@@ -81,7 +81,8 @@ static void cell_find(struct lanes *o, const struct lut_table *t, const uint32_t
 }
 
 /* What sums are multiplied by. Returns the shifts. */
-static inline wide scale_find(struct lanes *o, uint32_t i, wide exponent, const struct half_vector_constants *c)
+static inline wide scale_find(struct half_vector_lanes *o, uint32_t i, wide exponent,
+                              const struct half_vector_constants *c)
 {
     const wide shift = (uint32_t)c->top - exponent, scale = o->ratio[i] << 16 >> (shift & 31);
     o->scale1[i] = wide_mulhi(scale, o->hf[i]);
@@ -89,13 +90,9 @@ static inline wide scale_find(struct lanes *o, uint32_t i, wide exponent, const 
     return shift;
 }
 
-/* Texels t and t+1 of eight pixels, pixels 0, 1, 4, 5 in the first half. */
-struct couples {
-    uint32_t texel[WIDE_LANES][2];
-};
-
 /* Returns whether no cell's shift is negative; false: o is spoilt. */
-static bool plain_fetch(struct couples row[4][WIDE_GROUPS], struct lanes *o, const struct lut_table *t, int32_t top)
+static bool plain_fetch(struct wide_couples row[4][WIDE_GROUPS], struct half_vector_lanes *o, const struct lut_table *t,
+                        int32_t top)
 {
     static const uint8_t place[WIDE_LANES] = {0, 1, 4, 5, 2, 3, 6, 7};
     const uint32_t width = t->width, plane = width * t->height;
@@ -118,7 +115,7 @@ static bool plain_fetch(struct couples row[4][WIDE_GROUPS], struct lanes *o, con
     return shifts >= 0;
 }
 
-static inline void couples_add(wide s[3], const struct couples *c, wide exponent, wide w0, wide w1)
+static inline void couples_add(wide s[3], const struct wide_couples *c, wide exponent, wide w0, wide w1)
 {
     const wide a = wide_load(c->texel[0]), b = wide_load(c->texel[4]);
     const wide texel[2] = {__builtin_shufflevector(a, b, 0, 2, 8, 10, 4, 6, 12, 14),
@@ -132,7 +129,7 @@ static inline void couples_add(wide s[3], const struct couples *c, wide exponent
     }
 }
 
-static void plain_shade(struct raster_batch *b, struct lanes *o, struct couples row[4][WIDE_GROUPS],
+static void plain_shade(struct raster_batch *b, struct half_vector_lanes *o, struct wide_couples row[4][WIDE_GROUPS],
                         const struct half_vector_constants *c)
 {
     const wide none = wide_all(0);
@@ -151,7 +148,7 @@ static void plain_shade(struct raster_batch *b, struct lanes *o, struct couples 
 }
 
 /* As plain_fetch. Leaves words' places in texel_at, and pairs of weights in low0 and low1. */
-static bool packed_fetch(struct lanes *o, const struct lut_table *t, const struct half_vector_constants *c)
+static bool packed_fetch(struct half_vector_lanes *o, const struct lut_table *t, const struct half_vector_constants *c)
 {
     wide shifts = wide_all(0);
     for (uint32_t i = 0; i < o->p.count; i++)
@@ -175,7 +172,7 @@ static inline wide four(const wide *row, uint32_t i)
 }
 
 /* Of four's lanes, the first or second two: one in each half. */
-static inline wide spread(wide four, bool second)
+static inline wide wide_spread(wide four, bool second)
 {
     static const wide_bytes of[2] = {
         {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7},
@@ -206,7 +203,7 @@ static inline void four_add(struct raster_batch *b, const struct wide_pixels *p,
 }
 
 /* A row's words R, G, B of node t stand in lanes 1..3, so that nothing is read beyond the row's end; before its start are records. */
-static void packed_shade(struct raster_batch *b, struct lanes *o, const struct lut_table *t,
+static void packed_shade(struct raster_batch *b, struct half_vector_lanes *o, const struct lut_table *t,
                          const struct half_vector_constants *c)
 {
     const uint32_t *const at = wide_lanes(o->texel_at), row = 3 * t->width;
@@ -217,12 +214,12 @@ static void packed_shade(struct raster_batch *b, struct lanes *o, const struct l
         wide x[2];
         for (uint32_t j = 0; j < 2; j++) { /* two pixels */
             const uint32_t *p = t->slabs + at[i + 2 * j] - 1, *q = t->slabs + at[i + 2 * j + 1] - 1;
-            const wide w0 = spread(low, j), w1 = spread(high, j);
+            const wide w0 = wide_spread(low, j), w1 = wide_spread(high, j);
             const wide s0 = wide_dot16(wide_load_halves(p, q), w0) + wide_dot16(wide_load_halves(p + 3, q + 3), w1);
             p += row;
             q += row;
             const wide s1 = wide_dot16(wide_load_halves(p, q), w0) + wide_dot16(wide_load_halves(p + 3, q + 3), w1);
-            x[j] = wide_mulhi(wide_mulhi(s0, spread(scale0, j)) + wide_mulhi(s1, spread(scale1, j)), colour);
+            x[j] = wide_mulhi(wide_mulhi(s0, wide_spread(scale0, j)) + wide_mulhi(s1, wide_spread(scale1, j)), colour);
         }
         four_add(b, &o->p, i, x);
     }
@@ -237,11 +234,11 @@ uint32_t raster_half_vector_wide(struct raster_batch *b, uint32_t first, uint32_
         return narrow(b, first, end, t, light);
     const struct half_vector_constants c = half_vector_constants_find(t, light);
     const uint32_t step[3] = {packed ? 3 : 1, packed ? 0 : t->width, packed ? 0 : t->width * t->height};
-    struct lanes o;
+    struct half_vector_lanes o;
     wide_gather(&o.p, b, end, light);
     if (!o.p.count)
         return 0;
-    squares_find(&o, light->plane);
+    wide_squares_find(&o, light->plane);
     near_find(&o);
     ratio_find(&o);
     for (uint32_t i = 0; i < o.p.count; i++)
@@ -252,7 +249,7 @@ uint32_t raster_half_vector_wide(struct raster_batch *b, uint32_t first, uint32_
             return narrow(b, first, end, t, light);
         packed_shade(b, &o, t, &c);
     } else {
-        struct couples row[4][WIDE_GROUPS];
+        struct wide_couples row[4][WIDE_GROUPS];
         if (!plain_fetch(row, &o, t, c.top))
             return narrow(b, first, end, t, light);
         plain_shade(b, &o, row, &c);

@@ -28,8 +28,8 @@ struct phong_loop {
 
 #ifdef RASTER_ARM
 /* phong_arm.c: adds the light to the pixels from `pixel` to k->end. In: k->unlit = 0. */
-void raster_shade_lafortune_phong_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
-                                       const struct raster_block_light *light, struct phong_loop *k);
+extern void raster_shade_lafortune_phong_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
+                                              const struct raster_block_light *light, struct phong_loop *k);
 #endif
 
 #endif

@@ -44,7 +44,7 @@ void raster_transform_small(struct raster_small *out, const struct raster_object
 }
 
 /* In: packed ends of an edge, a above b; |x| < 2^15, dy <= 2^14, row at or below a: |n| < 2^30. */
-static inline void start(struct edge *e, uint32_t a, uint32_t b, int32_t row)
+static inline void start_small(struct edge *e, uint32_t a, uint32_t b, int32_t row)
 {
     int32_t dx = low(b) - low(a), dy = high(b) - high(a);
     int32_t n = low(a) * dy + (256 * row - high(a)) * dx;
@@ -77,19 +77,19 @@ static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a,
     struct edge left, right;
     int32_t upper = fx_min(r1 - r0, rows), any = 0;
     if (upper > 0) {
-        start(&left, a, c, r0);
-        start(&right, a, b, r0);
+        start_small(&left, a, c, r0);
+        start_small(&right, a, b, r0);
         any = edge_walk(t->spans, upper, &left, &right);
         if (upper == rows)
             return any ? rows : 0;
         if (b_first)
-            start(&right, b, c, r0 + upper);
+            start_small(&right, b, c, r0 + upper);
         else
-            start(&left, c, b, r0 + upper);
+            start_small(&left, c, b, r0 + upper);
     } else {
         upper = 0;
-        start(&left, b_first ? a : c, b_first ? c : b, r0);
-        start(&right, b_first ? b : a, b_first ? c : b, r0);
+        start_small(&left, b_first ? a : c, b_first ? c : b, r0);
+        start_small(&right, b_first ? b : a, b_first ? c : b, r0);
     }
     any |= edge_walk(t->spans + 2 * upper, rows - upper, &left, &right);
     return any ? rows : 0;

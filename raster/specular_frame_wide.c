@@ -7,7 +7,7 @@
 #include "specular_frame.h"
 #include "wide.h"
 
-struct lanes {
+struct specular_frame_lanes {
     struct wide_pixels p;
     wide x[WIDE_GROUPS], y[WIDE_GROUPS];       /* phi_d is their azimuth */
     wide s[2][WIDE_GROUPS];                    /* sin^2 of half of theta_in, theta_d, from their nearest pole, Q30 */
@@ -17,9 +17,7 @@ struct lanes {
     wide angle[2][WIDE_GROUPS];
     wide texel_at[WIDE_GROUPS], row[WIDE_GROUPS], slice[WIDE_GROUPS]; /* words: of the first texel, to the others */
     wide fx[WIDE_GROUPS], fy[WIDE_GROUPS], fz[WIDE_GROUPS];           /* of 2^16 */
-    struct couples {
-        uint32_t texel[WIDE_LANES][2]; /* of pixels 0, 1, 4, 5 in the first half */
-    } couple[4][WIDE_GROUPS];
+    struct wide_couples couple[4][WIDE_GROUPS];
 };
 
 struct product {
@@ -59,13 +57,13 @@ static inline struct cells cells_load(const int32_t *t)
     return (struct cells){t1, t1 - t0, t2 - t1 - t0 + before};
 }
 
-static inline wide interpolate(wide t1, wide d1, wide d2, wide g)
+static inline wide wide_interpolate(wide t1, wide d1, wide d2, wide g)
 {
     const wide bow = wide_mulhi_signed(g, g) + wide_shift_signed(g, 1);
     return t1 + multiply31(d1, g) + wide_mulhi_signed(d2, bow);
 }
 
-static void directions_find(struct lanes *o, const struct raster_block_light *light, bool swap)
+static void directions_find(struct specular_frame_lanes *o, const struct raster_block_light *light, bool swap)
 {
     const wide one = wide_all(1u << 30);
     const wide lx = wide_all((uint32_t)lane_low(light->l_xy)), ly = wide_all((uint32_t)lane_high(light->l_xy)),
@@ -97,7 +95,7 @@ static void directions_find(struct lanes *o, const struct raster_block_light *li
 }
 
 /* s 2^z, for lut_rsqrt. */
-static void normalise(struct lanes *o, uint32_t which)
+static void normalise(struct specular_frame_lanes *o, uint32_t which)
 {
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
         wide f = wide_max(o->s[which][i], wide_all(1)), z = wide_all(0);
@@ -117,7 +115,7 @@ static void normalise(struct lanes *o, uint32_t which)
 }
 
 /* lut_angle_from_sin2_half */
-static void angle_find(struct lanes *o, uint32_t which)
+static void angle_find(struct specular_frame_lanes *o, uint32_t which)
 {
     const struct cells cells = cells_load(func_angle);
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
@@ -128,8 +126,8 @@ static void angle_find(struct lanes *o, uint32_t which)
         const wide root =
             wide_mulhi(f, wide_select((wide)(m >> 30 == 0), wide_all(1u << 30), m)); /* sqrt(s2) 2^(29 + z) */
         const wide at = (s2 - 1) >> 26; /* a node is the end of the cell before it: the same value */
-        const wide slope = wide_mulhi(root, interpolate(wide_look_up(cells.t1, at), wide_look_up(cells.d1, at),
-                                                        wide_look_up(cells.d2, at), (s2 - ((at + 1) << 26)) << 5));
+        const wide slope = wide_mulhi(root, wide_interpolate(wide_look_up(cells.t1, at), wide_look_up(cells.d1, at),
+                                                             wide_look_up(cells.d2, at), (s2 - ((at + 1) << 26)) << 5));
         const wide angle = (slope + (wide_all(1) << z >> 1)) >> z;
         o->angle[which][i] = angle & ~(wide)(s2 == 0);
     }
@@ -169,9 +167,9 @@ static inline wide turn(wide y, wide x, const struct cells *low, const struct ce
     const wide d = add_saturating(large, wide_all(1u << 15)) >> 16;
     const wide q = wide_min(quotient(add_saturating(small, d >> 1), d), wide_all(65535));
     const wide at = q >> 12, upper = wide_below(wide_all(7), at), g = ((q & 4095) << 19) ^ sign;
-    wide a = interpolate(wide_select(upper, wide_look_up(high->t1, at), wide_look_up(low->t1, at)),
-                         wide_select(upper, wide_look_up(high->d1, at), wide_look_up(low->d1, at)),
-                         wide_select(upper, wide_look_up(high->d2, at), wide_look_up(low->d2, at)), g);
+    wide a = wide_interpolate(wide_select(upper, wide_look_up(high->t1, at), wide_look_up(low->t1, at)),
+                              wide_select(upper, wide_look_up(high->d1, at), wide_look_up(low->d1, at)),
+                              wide_select(upper, wide_look_up(high->d2, at), wide_look_up(low->d2, at)), g);
     a = wide_select(steep, (1u << 26) - a, a);
     a = wide_select(x_minus, (1u << 27) - a, a);
     a = wide_select(y_minus, (1u << 28) - a, a) & ((1u << 28) - 1);
@@ -189,7 +187,7 @@ static inline struct axis axis_find(wide angle, uint32_t scale, uint32_t nodes)
     return (struct axis){wide_select(inside, x >> 12, wide_all(nodes - 1)), inside, (x << 4 & 65535) & inside};
 }
 
-static void texels_find(struct lanes *o, const struct lut_table *t)
+static void texels_find(struct specular_frame_lanes *o, const struct lut_table *t)
 {
     const struct cells low = cells_load(func_atan), high = cells_load(func_atan + 8);
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
@@ -210,7 +208,7 @@ static void texels_find(struct lanes *o, const struct lut_table *t)
 }
 
 /* phi_d is below a full turn, so that there is always a next node. */
-static void texels_fetch(struct lanes *o, const struct lut_table *t)
+static void texels_fetch(struct specular_frame_lanes *o, const struct lut_table *t)
 {
     static const uint8_t place[WIDE_LANES] = {0, 1, 4, 5, 2, 3, 6, 7};
     const uint32_t *const at = wide_lanes(o->texel_at), *const row = wide_lanes(o->row),
@@ -237,7 +235,7 @@ static inline wide split(wide *w, wide fraction)
 }
 
 /* c irradiance 2^-down, limited to what a light may add. */
-static inline wide contribution(wide c, uint32_t irradiance, wide down)
+static inline wide wide_contribution(wide c, uint32_t irradiance, wide down)
 {
     const struct product p = multiply(c, wide_all(irradiance));
     const wide_long most = (wide_long)(wide_all(RASTER_LIGHT_LIMIT) & (wide){~0u, 0, ~0u, 0, ~0u, 0, ~0u, 0});
@@ -246,7 +244,7 @@ static inline wide contribution(wide c, uint32_t irradiance, wide down)
     return low_words((most & even_over) | (even & ~even_over), (most & odd_over) | (odd & ~odd_over));
 }
 
-static void shade(struct raster_batch *b, struct lanes *o, const struct raster_block_light *light)
+static void wide_shade(struct raster_batch *b, struct specular_frame_lanes *o, const struct raster_block_light *light)
 {
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
         wide w[4] = {wide_all(1u << 20)}, texel[8], largest = wide_all(0), s[3] = {largest, largest, largest}, x[3];
@@ -275,7 +273,7 @@ static void shade(struct raster_batch *b, struct lanes *o, const struct raster_b
         const wide cosine = wide_min(o->p.nl[i], wide_all((1u << 30) - 1)) << 2;
 #pragma GCC unroll 3
         for (int k = 0; k < 3; k++)
-            x[k] = contribution(wide_mulhi((s[k] + 128) >> 8 << 10, cosine), light->colour[k], 42 - largest);
+            x[k] = wide_contribution(wide_mulhi((s[k] + 128) >> 8 << 10, cosine), light->colour[k], 42 - largest);
         wide_add_radiance(b, &o->p, WIDE_LANES * i, x);
     }
 }
@@ -283,7 +281,7 @@ static void shade(struct raster_batch *b, struct lanes *o, const struct raster_b
 uint32_t raster_specular_frame_wide(struct raster_batch *b, uint32_t end, const struct lut_table *t,
                                     const struct raster_block_light *light)
 {
-    struct lanes o;
+    struct specular_frame_lanes o;
     wide_gather(&o.p, b, end, light);
     if (!o.p.count)
         return 0;
@@ -294,7 +292,7 @@ uint32_t raster_specular_frame_wide(struct raster_batch *b, uint32_t end, const 
     }
     texels_find(&o, t);
     texels_fetch(&o, t);
-    shade(b, &o, light);
+    wide_shade(b, &o, light);
     return o.p.count;
 }
 #endif

@@ -10,11 +10,6 @@ struct scaled {
     int32_t e;
 };
 
-static uint64_t magnitude(int64_t x)
-{
-    return x < 0 ? (uint64_t)0 - (uint64_t)x : (uint64_t)x;
-}
-
 /* Bits needed for |x|: 2^(n-1) <= |x| < 2^n; 0 for 0. */
 static int32_t bit_length(uint64_t x)
 {
@@ -36,7 +31,7 @@ static int64_t scaled_to_int(struct scaled x, int32_t e)
 /* a*b with b's mantissa below 2^31. Keeps 31 bits of a. */
 static struct scaled scaled_mul(struct scaled a, struct scaled b)
 {
-    int32_t drop = bit_length(magnitude(a.m)) - 31;
+    int32_t drop = bit_length(fx_magnitude(a.m)) - 31;
     if (drop > 0) {
         a.m >>= drop;
         a.e += drop;
@@ -49,8 +44,9 @@ static struct scaled scaled_mul(struct scaled a, struct scaled b)
 /* Exponent E such that sum(|row|) * 2^15 + |offset| < 2^(E+1) * (1 - 2^-7), and each of both terms below 2^E. */
 static int32_t row_exponent(const struct scaled row[3], struct scaled offset)
 {
-    uint64_t sum = magnitude(row[0].m) + magnitude(row[1].m) + magnitude(row[2].m); /* < 2^64: |m| < 2^62 here */
-    uint64_t t = magnitude(offset.m);
+    uint64_t sum =
+        fx_magnitude(row[0].m) + fx_magnitude(row[1].m) + fx_magnitude(row[2].m); /* < 2^64: |m| < 2^62 here */
+    uint64_t t = fx_magnitude(offset.m);
     int32_t a = bit_length(sum + (sum >> 6) + 1) + row[0].e + 15;
     int32_t b = t ? bit_length(t + (t >> 6) + 1) + offset.e : a;
     return a > b ? a : b;
@@ -70,7 +66,7 @@ static void eye_setup(struct raster_object *o, const struct scene_object *so, co
     uint64_t all = 0;
     for (int j = 0; j < 3; j++) { /* R^T d, Q46: |d| <= sqrt(3) 2^32 and unit columns, so < 2^63 */
         e[j] = so->rotation[j] * to_object[0] + so->rotation[3 + j] * to_object[1] + so->rotation[6 + j] * to_object[2];
-        all |= magnitude(e[j]);
+        all |= fx_magnitude(e[j]);
     }
     /* 1/scale: mantissa in [2^30, 2^31), so recip(2m) = 2^60/m. */
     struct scaled inverse = {fx_recip(so->scale_mantissa << 1), 30 + so->scale_shift - 60};

@@ -31,6 +31,11 @@ struct wide_pixels {
     uint32_t count;
 };
 
+/* Neighbouring texels of eight pixels, those of pixels 0, 1, 4, 5 in the first half. */
+struct wide_couples {
+    uint32_t texel[WIDE_LANES][2];
+};
+
 static inline uint32_t *wide_lanes(wide *row)
 {
     return (uint32_t *)row;
