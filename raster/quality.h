@@ -1,0 +1,118 @@
+/*
+ * Quality of shading against its cost: what a budget chooses between, tile by tile, and the steps in which a tile is made so that it can.
+ *
+ *   raster_tile_begin(r, index, t, &rect, &stats);
+ *   for (bool full = true; full;) {
+ *       full = raster_tile_draw(r, t, &stats);     every meshlet drawn, or no slot left
+ *       raster_tile_survey(r, t, &rect, &survey);
+ *       for (uint32_t region = 0; region < survey.regions; region++)
+ *           raster_tile_shade(r, t, &rect, region, &quality, &stats);
+ *       if (full)
+ *           raster_tile_free_slots(t);
+ *   }
+ *   raster_tile_finish(r, t, &rect, &stats);
+ *
+ * At full quality this is raster_render_tile, bit for bit. A region is one of the tile's squares of 16 x 16 pixels.
+ *
+ * Rates. At rate 2^x by 2^y all pixels of one meshlet within a cell of that size are shaded once, by their mean normal: homogeneous
+ * normals are linear on the screen, so the mean is the interpolated normal of the pixels' centroid. Edges of objects, materials and
+ * meshlets stay as sharp as ever. The last rate, flat, shades every meshlet once for the whole tile, by its mean normal: whatever the
+ * surface is, at most RASTER_SLOTS - 1 evaluations.
+ */
+#ifndef RASTER_QUALITY_H
+#define RASTER_QUALITY_H
+
+#include "raster.h"
+
+#define RASTER_REGION_SHIFT 4 /* log2 of a region's edge, pixels */
+#define RASTER_MAX_REGIONS  (RASTER_TILE_PIXELS >> 2 * RASTER_REGION_SHIFT)
+
+enum raster_rate {
+    RASTER_RATE_1X1,
+    RASTER_RATE_2X1,
+    RASTER_RATE_2X2,
+    RASTER_RATE_4X2,
+    RASTER_RATE_4X4,
+    RASTER_RATE_FLAT,
+    RASTER_RATE_COUNT
+};
+
+#define RASTER_ALL_LIGHTS   255u
+#define RASTER_LEAST_LIGHTS 4u /* of the last rung */
+
+struct raster_quality {
+    uint8_t rate[SCENE_MAX_MATERIALS]; /* enum raster_rate */
+    uint8_t lights; /* how many of a tile's lights are evaluated, the strongest first; RASTER_ALL_LIGHTS: all */
+};
+
+/* Of a tile that is drawn: pixels to be shaded. */
+struct raster_survey {
+    uint32_t regions;      /* of the tile, row-major */
+    uint32_t slots;        /* taken: the most that a flat tile evaluates */
+    uint32_t point_lights; /* that may reach one of its surfaces */
+    uint32_t pixels[SCENE_MAX_MATERIALS];
+    uint16_t region_pixels[RASTER_MAX_REGIONS][SCENE_MAX_MATERIALS];
+};
+
+/* Begins a tile: as raster_render_tile, before its first meshlet. Out: *rect its place on the screen; *stats zero. */
+void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_tile *t, struct raster_rect *rect,
+                       struct raster_stats *stats);
+
+/* Draws meshlets until none is left (false), or no slot is (true): then the caller shades every region, frees the slots and goes on. */
+bool raster_tile_draw(const struct raster *r, struct raster_tile *t, struct raster_stats *stats);
+
+/* Counts the pixels that wait for their shading, and finds the lights that may reach them. The result lives in the tile until
+ * its slots are freed or it is finished. */
+const struct raster_survey *raster_tile_survey(const struct raster *r, struct raster_tile *t,
+                                               const struct raster_rect *rect);
+
+/* Shades what waits in a region, after raster_tile_survey. Each region once. Materials of rate 1x1 that are shaded in rows wait on,
+ * for raster_tile_finish or raster_tile_free_slots. */
+void raster_tile_shade(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, uint32_t region,
+                       const struct raster_quality *q, struct raster_stats *stats);
+
+/* All regions having been shaded: keeps their colours and frees all slots. */
+void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                            struct raster_stats *stats);
+
+/* Packs the finished pixels, to raster_tile_pixels. */
+void raster_tile_finish(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                        struct raster_stats *stats);
+
+/* How a material is shaded: costs and errors go by it. */
+enum raster_shading {
+    RASTER_SHADE_HALF_VECTOR,
+    RASTER_SHADE_SPECULAR_FRAME,
+    RASTER_SHADE_LAFORTUNE_PHONG,
+    RASTER_SHADE_BLINN_PHONG,
+    RASTER_SHADE_METALLIC_ROUGHNESS,
+    RASTER_SHADE_DIFFUSE_ROW,     /* in rows, at rate 1x1 only */
+    RASTER_SHADE_BLINN_PHONG_ROW, /* likewise */
+    RASTER_SHADE_COUNT
+};
+enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate);
+
+/*
+ * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make
+ * calibrate. One table for each target.
+ */
+struct raster_costs {
+    uint32_t tile;     /* clearing, finishing an empty one */
+    uint32_t meshlet;  /* set-up */
+    uint32_t vertex;   /* transform */
+    uint32_t triangle; /* one of a meshlet, facing or not */
+    uint32_t tested;   /* a pixel whose depth is compared */
+    uint32_t survey;   /* a surface counted */
+    uint32_t region;   /* with a surface to be shaded */
+    uint32_t copied;   /* a pixel that takes another's colour, cells' bookkeeping included */
+    uint32_t finished; /* a pixel packed */
+    struct {
+        uint32_t material; /* per region and directional light: planes */
+        uint32_t sample;   /* gathering, tone curve */
+        uint32_t lit;      /* under a directional light that reaches it */
+        uint32_t dark;     /* ... that does not */
+        uint32_t point;    /* under a point light, at most */
+    } shading[RASTER_SHADE_COUNT];
+};
+
+#endif
