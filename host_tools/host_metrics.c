@@ -35,6 +35,16 @@ static void lab_from_rgb(double lab[3], const double rgb[3])
     lab[2] = 200 * (f[1] - f[2]);
 }
 
+double metrics_difference(const double a[3], const double b[3])
+{
+    double lab_a[3], lab_b[3], sum = 0;
+    lab_from_rgb(lab_a, a);
+    lab_from_rgb(lab_b, b);
+    for (int c = 0; c < 3; c++)
+        sum += (lab_a[c] - lab_b[c]) * (lab_a[c] - lab_b[c]);
+    return sqrt(sum);
+}
+
 /* A pixel of the sphere: l and v in the frame of its normal, x along the projected light. False where it does not count. */
 static bool pixel_directions(double l[3], double v[3], int column, int row, double light_angle)
 {
@@ -85,20 +95,17 @@ void metrics_pictures(struct metrics *out, const struct brdf_source *f, const st
     size_t count = 0;
     for (int i = 0; i < SAMPLES_MAX; i++) {
         int column = i % PICTURE_SIDE, row = i / PICTURE_SIDE % PICTURE_SIDE;
-        double l[3], v[3], got[3], want[3], lab_got[3], lab_want[3], sum = 0;
+        double l[3], v[3], got[3], want[3];
         double angle = light_degrees[i / (PICTURE_SIDE * PICTURE_SIDE)] * pi / 180;
         if (!pixel_directions(l, v, column, row, angle))
             continue;
         pixel_value(got, f, l, v);
         pixel_value(want, truth, l, v);
-        lab_from_rgb(lab_got, got);
-        lab_from_rgb(lab_want, want);
         for (int c = 0; c < 3; c++) {
-            sum += (lab_got[c] - lab_want[c]) * (lab_got[c] - lab_want[c]);
             double step = srgb_encode(got[c]) - srgb_encode(want[c]);
             squares += step * step;
         }
-        de[count] = sqrt(sum);
+        de[count] = metrics_difference(got, want);
         de_sum += de[count++];
     }
     qsort(de, count, sizeof *de, compare_doubles);

@@ -11,6 +11,9 @@ enum { METRICS_BANDS = 3 };
 /* theta_in of the bands in degrees: 0..60, 60..75, 75..87. */
 extern const double metrics_band[METRICS_BANDS][2];
 
+/* CIE 1976 colour difference of two colours, linear sRGB, D65; 0..1 is what a display shows. */
+double metrics_difference(const double a[3], const double b[3]);
+
 /*
  * Three pictures of a sphere, 96 x 96, orthographic, pixel (i, j) at x = 2i/95 - 1, y = 1 - 2j/95, each under one directional
  * light, 30, 80 and 140 degrees off the view axis, of irradiance pi: a white diffuse surface that faces it is 1. Pixels
