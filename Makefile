@@ -53,7 +53,7 @@ AGAIN = @$(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JO
 all: $(B)/libgoniotile.a $(TOOLS:%=$(B)/%) $(B)/goniotile_oiio.so ## build the freestanding library, the simulator and the host tools
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/prove/prove.mk tests/board/board.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/prove/prove.mk tests/board/board.mk tests/guest/guest.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
@@ -191,6 +191,13 @@ $(B)/host/tests/bench/bench_usb.o: HOST += -Itests/fault
 include tests/fuzz/fuzz.mk
 include tests/prove/prove.mk
 
+# --- the library in two files ---
+AMALGAMATION := $(B)/amalgamation/goniotile
+.PHONY: amalgamation
+amalgamation: $(AMALGAMATION).c ## lut/ and raster/ as one header and one source, for embedding
+$(AMALGAMATION).c: host_tools/amalgamate.sh LICENSE $(wildcard lut/*.[ch] raster/*.[ch])
+	host_tools/amalgamate.sh $(@D) $(filter lut/% raster/%,$(PUBLIC_H))
+
 # --- installation ---
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
@@ -207,6 +214,7 @@ install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rule
 	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile
 
 include tests/board/board.mk
+include tests/guest/guest.mk
 
 clean: ## remove everything built
 	rm -rf $(B)

@@ -45,6 +45,9 @@ $(B)/board/$(1)/push.elf: $(B)/board/$(1)/tests/board/push/main.o $(BOARD_OBJ_$(
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
+$(B)/board/$(1)/amalgamated.elf: $(B)/board/$(1)/hal/emulated/main.o $(B)/amalgamation/$(1).o $(BOARD_FIRMWARE_OBJ_$(1)) \
+    $(filter-out $(B)/board/$(1)/lut/% $(B)/board/$(1)/raster/%,$(BOARD_OBJ_$(1)))
+	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 endef
 BOARD_LINK := -nostdlib -Wl,--gc-sections -Lhal/emulated
 CORTEX_M   := $(filter cortex-%,$(BOARD_TARGETS))
@@ -55,6 +58,15 @@ $(eval $(call BOARD_TARGET,rv32imac,riscv64-unknown-elf-gcc -march=rv32imac_zics
     hal/rv32virt/startup.c hal/rv32virt/board.c))
 # The library is filed under the instruction set without its later name for the control registers.
 $(eval $(call BOARD_PROGRAMS,rv32imac,-march=rv32imac -Wl$(COMMA)--no-warn-rwx-segments -T hal/rv32virt/rv32virt.ld))
+
+# The amalgamation, compiled as an embedder does: one command and no include path. On three boards
+# amalgamated.elf is the firmware with it for lut/ and raster/.
+AMALGAMATED_BOARDS := cortex-m3 cortex-m7 rv32imac
+BOARD_CC_cortex-m0 := arm-none-eabi-gcc -mcpu=cortex-m0 -mthumb
+BOARD_CC_x86-64 = $(CC)
+AMALGAMATED := $(patsubst %,$(B)/amalgamation/%.o,cortex-m0 $(AMALGAMATED_BOARDS) x86-64)
+$(AMALGAMATED): $(B)/amalgamation/%.o: $(AMALGAMATION).c
+	cd $(@D) && $(BOARD_CC_$*) -std=c11 -O2 -ffreestanding -Wall -Wextra -Werror -c goniotile.c -o $(@F)
 
 # The smallest device: the firmware with scene and table built in, tiles of 32 x 32.
 $(eval $(call BOARD_TARGET,lm3s6965,arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -DRASTER_TILE_WIDTH=32 -DRASTER_TILE_HEIGHT=32,\
@@ -135,6 +147,7 @@ $(B)/board/compare_oled: $(B)/host/tests/board/compare_oled.o $(B)/libhost.a
 boards: deps-board ## run the firmware on the emulated boards: hash, instructions, code, RAM, stack; all hashes must agree
 	$(AGAIN) boards-built
 boards-build: $(foreach t,$(BOARD_TARGETS),$(B)/board/$(t)/firmware.elf $(B)/board/$(t)/fault.elf) $(B)/board/lm3s6965/oled.elf \
+    $(AMALGAMATED) $(AMALGAMATED_BOARDS:%=$(B)/board/%/amalgamated.elf) \
     $(B)/board/measured.img $(B)/board/lafortune_phong.img $(HOST_HASHES:%=$(B)/board/host_hash-%) $(B)/board/compare_oled
 boards-built: boards-build
 	@B=$(B) tests/board/boards.sh
