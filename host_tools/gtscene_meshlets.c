@@ -408,6 +408,7 @@ static void emit(struct packed_mesh *out, struct meshlet_pool *pool, const struc
     }
     for (unsigned i = 0; i < c->count; i++)
         memcpy(pool->triangles[pool->triangle_count++].v, corners[i], sizeof corners[i]);
+    scene_measure(meshlet, pool->vertices, pool->triangles);
     grow_box(out->lo, out->hi, meshlet->lo);
     grow_box(out->lo, out->hi, meshlet->hi);
 }

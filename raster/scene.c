@@ -138,12 +138,49 @@ static bool frame_is_valid(const int16_t f[9])
     return true;
 }
 
+static uint8_t size_code(uint64_t size)
+{
+    unsigned shift = 0;
+    while (size > 15ull << shift)
+        shift++;
+    const uint64_t m = (size + (1ull << shift) - 1) >> shift; /* <= 15; the shift is at most 31, see scene_measure */
+    return (uint8_t)(8 * shift + (m > 8 ? m - 8 : 0));
+}
+
+void scene_measure(struct scene_meshlet *m, const struct scene_vertex *vertices, const struct scene_triangle *triangles)
+{
+    uint64_t area = 0, perimeter = 0; /* twice the area: 32 * 2 * 2^34 < 2^40; <= 96 * 2 * 2^16 */
+    for (unsigned i = 0; i < m->triangle_count; i++) {
+        const uint8_t *t = triangles[m->triangle_first + i].v;
+        int64_t edge[3][3]; /* |.| < 2^16 */
+        for (unsigned j = 0; j < 3; j++) {
+            const struct scene_vertex *a = &vertices[m->vertex_first + t[j]];
+            const struct scene_vertex *b = &vertices[m->vertex_first + t[j == 2 ? 0 : j + 1]];
+            edge[j][0] = b->x - a->x;
+            edge[j][1] = b->y - a->y;
+            edge[j][2] = b->z - a->z;
+            perimeter += scene_length(edge[j][0], edge[j][1], edge[j][2]);
+        }
+        const int64_t *e = edge[0], *f = edge[1];
+        area += scene_length(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
+    }
+    m->area = size_code((area + 127) >> 7);
+    m->perimeter = size_code(perimeter);
+}
+
+static bool size_is_valid(const struct scene *s, const struct scene_meshlet *m)
+{
+    struct scene_meshlet least = *m;
+    scene_measure(&least, s->vertices, s->triangles);
+    return m->area >= least.area && m->perimeter >= least.perimeter;
+}
+
 /* Everything a meshlet refers to, and what it refers to. */
 static bool meshlet_is_valid(const struct scene *s, const struct scene_meshlet *m)
 {
     const struct scene_array *vertices = &s->header->vertices, *triangles = &s->header->triangles;
     if (m->vertex_count < 3 || m->vertex_count > SCENE_MESHLET_MAX_VERTICES || m->triangle_count < 1 ||
-        m->triangle_count > SCENE_MESHLET_MAX_TRIANGLES || m->reserved)
+        m->triangle_count > SCENE_MESHLET_MAX_TRIANGLES)
         return false;
     if (m->vertex_first > vertices->count || m->vertex_count > vertices->count - m->vertex_first ||
         m->triangle_first > triangles->count || m->triangle_count > triangles->count - m->triangle_first)
@@ -164,7 +201,7 @@ static bool meshlet_is_valid(const struct scene *s, const struct scene_meshlet *
         if (t[0] >= m->vertex_count || t[1] >= m->vertex_count || t[2] >= m->vertex_count)
             return false;
     }
-    return true;
+    return size_is_valid(s, m);
 }
 
 static bool box_holds(const struct scene_mesh *mesh, const struct scene_meshlet *m)

@@ -19,7 +19,7 @@
 #include "fixed.h"
 
 #define SCENE_MAGIC                 0x43535447u /* "GTSC" */
-#define SCENE_VERSION               3u
+#define SCENE_VERSION               4u
 #define SCENE_MAX_BYTES             (64u << 20)
 #define SCENE_MAX_OBJECTS           4096u
 #define SCENE_MAX_MATERIALS         64u
@@ -121,6 +121,8 @@ struct scene_lod {
  * Back-face cone: every triangle's geometric normal g satisfies g.z_axis >= cos(a), and cone_cutoff = sin(a)
  * in Q14 rounded up, so that a meshlet is invisible when for its whole box dot(p - eye, z_axis) >=
  * cone_cutoff * |p - eye|; 16384 disables the test.
+ * Size: area and perimeter of its triangles, summed, in a code c that stands for (8 + c%8) 2^(c/8), rounded up; area in units
+ * of 64 square vertex units. What a tile's budget guarantees follows from them. Lengths are those of scene_length.
  */
 struct scene_meshlet {
     int16_t lo[3], hi[3]; /* box of its vertices, object space, vertex units */
@@ -130,7 +132,7 @@ struct scene_meshlet {
     uint32_t triangle_first; /* into triangles */
     uint8_t vertex_count;    /* 3..32 */
     uint8_t triangle_count;  /* 1..32 */
-    uint16_t reserved;       /* 0 */
+    uint8_t area, perimeter; /* codes */
 };
 
 /* Position in vertex units and normal as stereographic coordinates in the meshlet's frame, Q14:
@@ -144,6 +146,25 @@ struct scene_vertex {
 struct scene_triangle {
     uint8_t v[3];
 };
+
+/* At least the length of (x, y, z), at most 1.23 times it: the largest magnitude plus half of the others'. In: |x|, |y|, |z| < 2^61. */
+static inline uint64_t scene_length(int64_t x, int64_t y, int64_t z)
+{
+    const uint64_t a = fx_magnitude(x), b = fx_magnitude(y), c = fx_magnitude(z), ab = a > b ? a : b;
+    const uint64_t most = ab > c ? ab : c;
+    return (a + b + c + most + 1) >> 1;
+}
+
+/* What a size code stands for: 8 .. 15 2^31. */
+static inline uint64_t scene_size(uint8_t code)
+{
+    return (uint64_t)(8 + code % 8) << code / 8;
+}
+
+/* Sets a meshlet's area and perimeter to the least codes that hold for its triangles. In: its other fields, valid; the arrays that they
+ * are in. */
+void scene_measure(struct scene_meshlet *m, const struct scene_vertex *vertices,
+                   const struct scene_triangle *triangles);
 
 struct scene_header {
     uint32_t magic;

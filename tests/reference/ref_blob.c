@@ -111,6 +111,37 @@ static void put_box(struct ref_blob_bytes *a, const int16_t *const *vertices, un
         put_int(a, 2, hi[j]);
 }
 
+/* A length that is never too small. */
+static double long_length(const double d[3])
+{
+    double a = fabs(d[0]), b = fabs(d[1]), c = fabs(d[2]);
+    return floor((a + b + c + fmax(a, fmax(b, c)) + 1) / 2);
+}
+
+/* The least code of at least `size`: (8 + c%8) 2^(c/8). */
+static int size_code(double size)
+{
+    int code = 0;
+    while (ldexp(8 + code % 8, code / 8) < size)
+        code++;
+    return code;
+}
+
+/* A triangle's area, in 64ths, and perimeter. */
+static void put_size(struct ref_blob_bytes *a, const int16_t *const corner[3])
+{
+    double e[3][3], cross[3], perimeter = 0;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            e[i][j] = corner[(i + 1) % 3][j] - corner[i][j];
+        perimeter += long_length(e[i]);
+    }
+    for (int i = 0; i < 3; i++)
+        cross[i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
+    put_int(a, 1, size_code(ceil(long_length(cross) / 128)));
+    put_int(a, 1, size_code(perimeter));
+}
+
 static void put_meshlet(struct ref_blob *b, const int16_t *const corner[3])
 {
     struct ref_blob_bytes *m = &b->array[MESHLETS], *v = &b->array[VERTICES], *t = &b->array[TRIANGLES];
@@ -128,7 +159,7 @@ static void put_meshlet(struct ref_blob *b, const int16_t *const corner[3])
     put_int(m, 4, t->count);
     put_int(m, 1, 3);
     put_int(m, 1, 1);
-    put_int(m, 2, 0);
+    put_size(m, corner);
     m->count++;
     for (int i = 0; i < 3; i++, v->count++) {
         for (int j = 0; j < 3; j++)
@@ -185,7 +216,7 @@ void *ref_blob_finish(const struct ref_blob *b, size_t *bytes)
         total += (b->array[i].bytes + 3) & ~(size_t)3;
     }
     put(&out, "GTSC", 4);
-    put_int(&out, 2, 3);
+    put_int(&out, 2, 4);
     put_int(&out, 2, HEADER_BYTES);
     put_int(&out, 4, (int64_t)total);
     put_vector(&out, 4, b->eye, 3, 16);

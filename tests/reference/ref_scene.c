@@ -133,6 +133,8 @@ static void read_meshlet(struct ref_meshlet *out, const uint8_t *p)
     out->triangle_first = get_u32(p + 36);
     out->vertex_count = p[40];
     out->triangle_count = p[41];
+    out->area = 64 * ldexp(8 + p[42] % 8, p[42] / 8);
+    out->perimeter = ldexp(8 + p[43] % 8, p[43] / 8);
 }
 
 static void read_vertex(struct ref_vertex *out, const uint8_t *p, const struct ref_meshlet *m)
@@ -203,7 +205,7 @@ static int read_arrays(struct ref_scene *s, const uint8_t *blob, size_t bytes)
 struct ref_scene *ref_scene_open(const void *blob, size_t bytes)
 {
     const uint8_t *b = blob;
-    if (bytes < HEADER_SIZE || memcmp(b, "GTSC\3\0\220\0", 8) || get_u32(b + AT_TOTAL) != bytes)
+    if (bytes < HEADER_SIZE || memcmp(b, "GTSC\4\0\220\0", 8) || get_u32(b + AT_TOTAL) != bytes)
         return NULL;
     struct ref_scene *s = calloc(1, sizeof *s);
     if (!s)

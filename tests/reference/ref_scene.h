@@ -37,8 +37,9 @@ struct ref_vertex {
 };
 
 struct ref_meshlet {
-    double frame[3][3]; /* rows x, y, z */
-    double cone_cutoff; /* 1 or more: never culled */
+    double frame[3][3];     /* rows x, y, z */
+    double cone_cutoff;     /* 1 or more: never culled */
+    double area, perimeter; /* of all triangles, at least; vertex units */
     double lo[3], hi[3];
     unsigned vertex_first, vertex_count;
     unsigned triangle_first, triangle_count; /* triangles' indices count from vertex_first */

@@ -128,8 +128,8 @@ enum { LIGHTS, MATERIALS, OBJECTS, MESHES, LODS, MESHLETS, VERTICES, TRIANGLES }
 
 static const struct damage damages[] = {
     {"magic", HEADER(magic), 0x43535448, SCENE_ERR_MAGIC},
-    {"version newer", HEADER(version), 4, SCENE_ERR_VERSION},
-    {"version older", HEADER(version), 2, SCENE_ERR_VERSION},
+    {"version newer", HEADER(version), 5, SCENE_ERR_VERSION},
+    {"version older", HEADER(version), 3, SCENE_ERR_VERSION},
     {"header_bytes", HEADER(header_bytes), 140, SCENE_ERR_HEADER},
     {"total_bytes tiny", HEADER(total_bytes), 143, SCENE_ERR_HEADER},
     {"total_bytes short", HEADER(total_bytes), 144, SCENE_ERR_HEADER},
@@ -207,7 +207,8 @@ static const struct damage damages[] = {
     {"meshlet many vertices", IN(MESHLETS, scene_meshlet, vertex_count), 33, SCENE_ERR_MESHLET},
     {"meshlet no triangle", IN(MESHLETS, scene_meshlet, triangle_count), 0, SCENE_ERR_MESHLET},
     {"meshlet many triangles", IN(MESHLETS, scene_meshlet, triangle_count), 33, SCENE_ERR_MESHLET},
-    {"meshlet reserved", IN(MESHLETS, scene_meshlet, reserved), 1, SCENE_ERR_MESHLET},
+    {"meshlet area small", IN(MESHLETS, scene_meshlet, area), 0, SCENE_ERR_MESHLET},
+    {"meshlet perimeter small", IN(MESHLETS, scene_meshlet, perimeter), 0, SCENE_ERR_MESHLET},
     {"vertex outside its box", IN(VERTICES, scene_vertex, x), 0x8000, SCENE_ERR_MESHLET},
     {"vertex normal", IN(VERTICES, scene_vertex, u), 16385, SCENE_ERR_MESHLET},
     {"vertex normal lowest", IN(VERTICES, scene_vertex, v), 0x8000, SCENE_ERR_MESHLET},
