@@ -105,7 +105,8 @@ struct stream {
 
 static void put(struct stream *s, const void *data, size_t bytes)
 {
-    memcpy(s->data + s->bytes, data, bytes);
+    if (bytes) /* else data may be NULL */
+        memcpy(s->data + s->bytes, data, bytes);
     s->bytes += bytes;
 }
 
