@@ -18,12 +18,6 @@ struct point {
 
 typedef void surface(struct point *out, const double *parameters, unsigned row, unsigned column);
 
-void mesh_free(struct mesh *m)
-{
-    free(m->vertices);
-    free(m->indices);
-}
-
 static void mesh_alloc(struct mesh *m, size_t vertices, size_t indices)
 {
     m->vertices = xmalloc(vertices * sizeof *m->vertices);

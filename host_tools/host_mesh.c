@@ -1,5 +1,5 @@
 /* Mesh files through assimp: whatever a file holds becomes one indexed triangle mesh with normals. */
-#include "gtscene_mesh.h"
+#include "host_mesh.h"
 
 #include "common.h"
 
@@ -15,6 +15,12 @@
 #include <strings.h>
 
 #define MAX_FILE_BYTES (512L << 20)
+
+void mesh_free(struct mesh *m)
+{
+    free(m->vertices);
+    free(m->indices);
+}
 
 static void check_file(const char *path)
 {
