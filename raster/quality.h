@@ -101,8 +101,12 @@ struct raster_costs {
     uint32_t meshlet;  /* set-up */
     uint32_t vertex;   /* transform */
     uint32_t triangle; /* one of a meshlet, facing or not */
+    uint32_t general;  /* what it takes more in a meshlet too large or too deep for 16-bit coordinates */
+    uint32_t clipped;  /* ... in one that reaches behind the near plane or far out of the picture */
+    uint32_t row;      /* of a triangle's pixels */
     uint32_t tested;   /* a pixel whose depth is compared */
     uint32_t survey;   /* a surface counted */
+    uint32_t light;    /* a light tried in a survey */
     uint32_t region;   /* with a surface to be shaded */
     uint32_t copied;   /* a pixel that takes another's colour, cells' bookkeeping included */
     uint32_t finished; /* a pixel packed */
@@ -112,6 +116,7 @@ struct raster_costs {
         uint32_t lit;      /* under a directional light that reaches it */
         uint32_t dark;     /* ... that does not */
         uint32_t point;    /* under a point light, at most */
+        uint32_t flat;     /* a meshlet at rate flat, under RASTER_LEAST_LIGHTS lights of any kind */
     } shading[RASTER_SHADE_COUNT];
 };
 
