@@ -35,11 +35,11 @@ pkgflags   = $(shell pkg-config --cflags $(1))
 pkglibs    = $(shell pkg-config --libs $(1))
 GLIB_PKGS := umockdev-1.0 glib-2.0 gobject-2.0
 CFLAGS_gtusb  = $(call pkgflags,libusb-1.0)
-CFLAGS_gtsim  = $(call pkgflags,$(GLIB_PKGS))
+CFLAGS_gtsim  = $(call pkgflags,$(GLIB_PKGS) sdl2)
 LIBS_gtlut    = -lgsl -lgslcblas -lm -ldl
 LIBS_gtscene  = $(call pkglibs,assimp) -lmeshoptimizer -lcjson -lm
 LIBS_gtusb    = $(call pkglibs,libusb-1.0) -lz -lm -ldl
-LIBS_gtsim    = $(call pkglibs,$(GLIB_PKGS)) -lz -lm -ldl
+LIBS_gtsim    = $(call pkglibs,$(GLIB_PKGS) sdl2) -lz -lm -ldl
 LIBS_test     = -lcmocka -lcjson -lgsl -lgslcblas -lz -lm -ldl
 
 # Runs make again, in parallel unless -j was given, so that what was just installed is seen.
@@ -57,10 +57,10 @@ help: ## list the targets
 
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
-              zlib1g-dev libgsl-dev libumockdev-dev umockdev libglib2.0-dev
+              zlib1g-dev libgsl-dev libumockdev-dev umockdev libglib2.0-dev libsdl2-dev
 CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
 DEPS_FUZZ  := $(DEPS_DEMO) clang-14 libclang-rt-14-dev llvm-14
-DEPS_CHECK := $(DEPS_FUZZ) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox
+DEPS_CHECK := $(DEPS_FUZZ) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox xvfb xdotool
 DEPS_BENCH := $(DEPS_DEMO) $(CROSS) valgrind
 
 deps-demo: ## install what `make demo` needs (Debian packages)

@@ -61,9 +61,10 @@ static void help(FILE *to)
 {
     fputs("Usage: gtsim COMMAND [OPTION...]\nThe device on a PC: the firmware on a simulated board.\n\nCommands:\n"
           "  run      run a program that sees the simulated device on its USB\n"
+          "  window   look at the device's picture, move in it, and run a program that sees the device\n"
           "  render   render a scene into a picture, without USB\n"
           "\n'gtsim COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file, 4 bad input file,\n"
-          "9 refused by the device; 'run' ends with the program's own.\n",
+          "9 refused by the device; 'run' and 'window' end with the program's own.\n",
           to);
 }
 
@@ -82,14 +83,18 @@ int main(int argc, char **argv)
         puts("gtsim " GONIOTILE_VERSION);
         return EXIT_OK;
     }
-    int (*run)(int, char **) = !strcmp(argv[1], "run")      ? command_run
-                               : !strcmp(argv[1], "render") ? command_render
-                                                            : NULL;
-    if (!run)
+    static const struct {
+        const char *name;
+        int (*run)(int argc, char **argv);
+    } commands[] = {{"run", command_run}, {"window", command_window}, {"render", command_render}};
+    size_t c = 0, count = sizeof commands / sizeof *commands;
+    while (c < count && strcmp(argv[1], commands[c].name))
+        c++;
+    if (c == count)
         die(EXIT_USAGE, "no command '%s'; see 'gtsim --help'", argv[1]);
-    common_set_name("gtsim", argv[1]);
-    argv[1] = strcmp(argv[1], "run") ? "gtsim render" : "gtsim run";
-    int code = run(argc - 1, argv + 1);
+    common_set_name("gtsim", commands[c].name);
+    argv[1] = xasprintf("gtsim %s", commands[c].name);
+    int code = commands[c].run(argc - 1, argv + 1);
     if (fflush(stdout) || ferror(stdout))
         die(EXIT_FILE, "standard output: cannot be written");
     return code;

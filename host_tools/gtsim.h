@@ -16,8 +16,9 @@ struct sim_config board_default(void);
 /* argp_parse with the exit code and version of this project; `index` as argp_parse's, or NULL. */
 void options_parse(const struct argp *argp, unsigned flags, int argc, char **argv, int *index, void *input);
 
-/* Both return the program's exit code. */
+/* All return the program's exit code. */
 int command_run(int argc, char **argv);
 int command_render(int argc, char **argv);
+int command_window(int argc, char **argv);
 
 #endif

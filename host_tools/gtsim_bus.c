@@ -22,6 +22,8 @@
 #define IDLE_SLEEP_US 500
 #define REPLUG_MS     300 /* an unplugged device comes back after */
 #define PACKET_MAX    1024
+#define STEP_MS       10      /* between two steps of the host in this process */
+#define SILENCE_US    1000000 /* a program with a request under way that no longer asks for the reply has died */
 
 struct urb {
     UMockdevIoctlData *data;   /* the struct usbdevfs_urb, holds a reference */
@@ -38,6 +40,8 @@ struct port {
     GQueue out, in, complete; /* of struct urb */
     bool gone, frozen;
     bool waiting; /* the last REAPURB found nothing */
+    bool used;    /* by a program since the last step of the host in this process */
+    gint64 asked; /* when a program did so last, g_get_monotonic_time */
     long long out_bytes, unplug_after, freeze_after, damage_after;
     uint8_t descriptors[64];
     int descriptor_bytes;
@@ -48,7 +52,9 @@ struct bus {
     UMockdevTestbed *testbed;
     struct port ports[BUS_MAX_DEVICES];
     GMainLoop *loop;
-    GPid child;
+    const struct bus_host *host; /* in this process, or NULL */
+    GPid child;                  /* 0: none */
+    bool closed;                 /* by the host */
     int exit_code;
 };
 
@@ -427,33 +433,76 @@ static int serve(struct port *p, UMockdevIoctlClient *client, gulong request, UM
 
 static gboolean on_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client, gpointer port)
 {
+    struct port *p = port;
     (void)handler;
-    int result = serve(port, client, umockdev_ioctl_client_get_request(client), umockdev_ioctl_client_get_arg(client));
+    p->used = true;
+    p->asked = g_get_monotonic_time();
+    int result = serve(p, client, umockdev_ioctl_client_get_request(client), umockdev_ioctl_client_get_arg(client));
     umockdev_ioctl_client_complete(client, result < 0 ? -1 : result, result < 0 ? -result : 0);
     return TRUE;
 }
 
 /* --- the child --- */
 
+static gboolean bus_end(struct bus *b, int exit_code)
+{
+    b->exit_code = exit_code;
+    g_main_loop_quit(b->loop);
+    return G_SOURCE_REMOVE;
+}
+
 static void on_child_exit(GPid pid, gint status, gpointer bus)
 {
     struct bus *b = bus;
     (void)pid;
-    b->exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    g_main_loop_quit(b->loop);
+    bus_end(b, b->closed ? EXIT_OK : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status));
 }
 
 /* Ctrl-C reaches the child by itself; a termination is passed on. Either way the child ends first. */
 static gboolean on_interrupt(gpointer bus)
 {
-    (void)bus;
-    return G_SOURCE_CONTINUE;
+    return ((struct bus *)bus)->child ? G_SOURCE_CONTINUE : bus_end(bus, 128 + SIGINT);
 }
 
 static gboolean on_terminate(gpointer bus)
 {
-    kill(((struct bus *)bus)->child, SIGTERM);
+    struct bus *b = bus;
+    if (!b->child)
+        return bus_end(b, 128 + SIGTERM);
+    kill(b->child, SIGTERM);
     return G_SOURCE_CONTINUE;
+}
+
+/* No program has a request under way. One that died with one is treated as the next to open the device would: what is left is dropped. */
+static bool port_free(struct port *p)
+{
+    if (p->gone)
+        return false;
+    if (g_queue_is_empty(&p->out) && sim_device_idle(p->device))
+        return true;
+    if (g_get_monotonic_time() - p->asked < SILENCE_US)
+        return false;
+    claim(p);
+    port_order(p, 0x02, 1, 0, USB_ENDPOINT_OUT);
+    port_order(p, 0x02, 1, 0, USB_ENDPOINT_IN);
+    return sim_device_idle(p->device);
+}
+
+static gboolean on_step(gpointer bus)
+{
+    struct bus *b = bus;
+    struct port *p = &b->ports[0];
+    bool used = p->used;
+    if (!port_free(p))
+        return G_SOURCE_CONTINUE;
+    p->used = false;
+    if (b->host->step(b->host->ctx, used))
+        return G_SOURCE_CONTINUE;
+    b->closed = true;
+    if (!b->child)
+        return bus_end(b, EXIT_OK);
+    kill(b->child, SIGHUP);
+    return G_SOURCE_REMOVE;
 }
 
 static void bus_spawn(struct bus *b, char **command)
@@ -496,31 +545,58 @@ static void on_log(const gchar *domain, GLogLevelFlags level, const gchar *messa
         g_log_default_handler(domain, level, message, data);
 }
 
-int bus_run(const struct bus_options *o, char **command)
+/* The mocked /sys and /dev are a folder, removed with the testbed, also when the program dies. */
+static UMockdevTestbed *testbed_left;
+
+static void testbed_remove(void)
 {
-    struct bus b = {.options = o, .testbed = umockdev_testbed_new(), .loop = g_main_loop_new(NULL, FALSE)};
+    g_clear_object(&testbed_left);
+}
+
+struct bus *bus_create(const struct bus_options *o)
+{
+    struct bus *b = xcalloc(1, sizeof *b);
+    b->options = o;
+    b->testbed = testbed_left = umockdev_testbed_new();
+    atexit(testbed_remove);
     /* The root hub. */
     testbed_add(
-        &b, "P: /devices/usb1\nN: bus/usb/001/001\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: DEVTYPE=usb_device\n"
-            "E: BUSNUM=001\nE: DEVNUM=001\nE: DEVNAME=/dev/bus/usb/001/001\nA: bConfigurationValue=1\\n\n"
-            "A: busnum=1\\n\nA: devnum=1\\n\nA: speed=480\\n\n"
-            "H: descriptors=12010002090001406b1d020000060302010109021900010100e0000904000001090000000705810304000c\n");
+        b, "P: /devices/usb1\nN: bus/usb/001/001\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: DEVTYPE=usb_device\n"
+           "E: BUSNUM=001\nE: DEVNUM=001\nE: DEVNAME=/dev/bus/usb/001/001\nA: bConfigurationValue=1\\n\n"
+           "A: busnum=1\\n\nA: devnum=1\\n\nA: speed=480\\n\n"
+           "H: descriptors=12010002090001406b1d020000060302010109021900010100e0000904000001090000000705810304000c\n");
     for (int i = 0; i < o->devices; i++)
-        port_create(&b, i);
+        port_create(b, i);
     g_log_set_default_handler(on_log, NULL);
-    g_unix_signal_add(SIGINT, on_interrupt, &b);
-    g_unix_signal_add(SIGTERM, on_terminate, &b);
-    bus_spawn(&b, command);
-    g_main_loop_run(b.loop);
-    for (int i = 0; i < o->devices; i++) {
-        char *node = device_node(&b.ports[i]);
-        if (!b.ports[i].gone)
-            umockdev_testbed_detach_ioctl(b.testbed, node, NULL);
+    return b;
+}
+
+struct sim_device *bus_device(struct bus *b, int index)
+{
+    return b->ports[index].device;
+}
+
+int bus_run(struct bus *b, char **command, const struct bus_host *host)
+{
+    b->loop = g_main_loop_new(NULL, FALSE);
+    b->host = host;
+    g_unix_signal_add(SIGINT, on_interrupt, b);
+    g_unix_signal_add(SIGTERM, on_terminate, b);
+    if (host)
+        g_timeout_add(STEP_MS, on_step, b);
+    if (*command)
+        bus_spawn(b, command);
+    g_main_loop_run(b->loop);
+    for (int i = 0; i < b->options->devices; i++) {
+        char *node = device_node(&b->ports[i]);
+        if (!b->ports[i].gone)
+            umockdev_testbed_detach_ioctl(b->testbed, node, NULL);
         free(node);
-        if (!sim_device_destroy(b.ports[i].device))
-            die(EXIT_FILE, "%s: the flash cannot be written; is its folder writable?", o->board.flash_file);
+        if (!sim_device_destroy(b->ports[i].device))
+            die(EXIT_FILE, "%s: the flash cannot be written; is its folder writable?", b->options->board.flash_file);
     }
-    g_object_unref(b.testbed);
-    g_main_loop_unref(b.loop);
-    return b.exit_code;
+    int code = b->exit_code;
+    g_main_loop_unref(b->loop);
+    free(b);
+    return code;
 }

@@ -21,8 +21,28 @@ struct bus_options {
     unsigned protocol_version; /* other than the firmware's own: the devices claim to speak this one */
 };
 
-/* Runs the command on the bus and returns its exit code (128 + signal number when it was killed). Dies with EXIT_INTERNAL when the
- * bus cannot be set up. */
-int bus_run(const struct bus_options *o, char **command);
+struct bus;
+
+/* A bus with its devices, enumerated. In: *o must outlive it. Dies with EXIT_INTERNAL when it cannot be set up, with EXIT_FILE when
+ * a flash file does not fit. */
+struct bus *bus_create(const struct bus_options *o);
+
+/* Device 0..o->devices - 1, which the bus keeps. */
+struct sim_device *bus_device(struct bus *b, int index);
+
+/* Another host of the first device, in this process. */
+struct bus_host {
+    /* Called every few milliseconds, whenever no program on the bus has a request under way with the device. In: `used`, whether one
+     * had since the last call. False ends bus_run. */
+    bool (*step)(void *ctx, bool used);
+    void *ctx;
+};
+
+/*
+ * Runs the command, if there is one, on the bus and frees the bus. `host` may be NULL. Returns the command's exit code (128 + signal
+ * number when it was killed), or 0 when the host ended it: the command then gets SIGHUP and is waited for. Without a command, 0 or 128 +
+ * the number of the signal that ended it.
+ */
+int bus_run(struct bus *b, char **command, const struct bus_host *host);
 
 #endif

@@ -12,49 +12,33 @@
 #include <string.h>
 #include <time.h>
 
+#include "gtsim_device.h"
 #include "gtsim_tiles.h"
 #include "host_canvas.h"
 #include "host_image.h"
 #include "host_model.h"
-#include "sim_device.h"
 
 #define MAX_THREADS 64
 
 struct render {
     struct sim_config board;
-    const char *scene, *output, *tables[RASTER_MAX_SLOTS];
-    uint32_t model;
+    struct device_content content;
+    const char *output;
     bool stats, shuffled;
     unsigned threads;
     uint32_t seed;
 };
-
-static void parse_table(struct render *r, char *arg)
-{
-    char *equals = strchr(arg, '=');
-    if (!equals)
-        die(EXIT_USAGE, "--table: '%s' has no slot; write SLOT=FILE", arg);
-    *equals = 0;
-    r->tables[parse_long("--table SLOT", arg, 0, RASTER_MAX_SLOTS - 1)] = equals + 1;
-}
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
 {
     struct render *r = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &r->board;
+        state->child_inputs[0] = &r->content;
+        state->child_inputs[1] = &r->board;
         return 0;
     case 'o':
         r->output = arg;
-        return 0;
-    case 't':
-        parse_table(r, arg);
-        return 0;
-    case 'm':
-        r->model = model_find(arg);
-        if (r->model == MODEL_OF_SCENE && strcmp(arg, "scene"))
-            die(EXIT_USAGE, "--model: no model '%s'; it is one of " MODEL_NAMES ", scene", arg);
         return 0;
     case 'S':
         r->stats = true;
@@ -67,12 +51,12 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         r->shuffled = true;
         return 0;
     case ARGP_KEY_ARG:
-        if (r->scene)
+        if (r->content.scene)
             argp_usage(state);
-        r->scene = arg;
+        r->content.scene = arg;
         return 0;
     case ARGP_KEY_END:
-        if (!r->scene || !r->output)
+        if (!r->content.scene || !r->output)
             die(EXIT_USAGE, "a scene and -o FILE.png are needed; see 'gtsim render --help'");
         return 0;
     default:
@@ -80,50 +64,12 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     }
 }
 
-/* Loads a file into the device's slot. */
-static void device_load(struct sim_device *d, uint32_t slot, const char *path)
-{
-    struct usb_header h;
-    size_t bytes;
-    uint8_t *data = read_file(path, SCENE_MAX_BYTES, &bytes);
-    uint32_t kind = slot ? USB_SLOT_TABLE : USB_SLOT_SCENE;
-    if (!bytes)
-        die(EXIT_BAD_INPUT, "%s: empty; give a %s", path, slot ? "table" : "scene");
-    if (!sim_device_push(d, slot, kind, data, (uint32_t)bytes, &h))
-        die(EXIT_INTERNAL, "%s: the simulated device does not answer", path);
-    if (h.status == USB_ERR_CONTENT && kind == USB_SLOT_TABLE)
-        die(EXIT_BAD_INPUT, "%s: not a valid table: %s; build it again with gtlut", path,
-            lut_status_text((enum lut_status)h.detail));
-    if (h.status == USB_ERR_CONTENT)
-        die(EXIT_BAD_INPUT, "%s: not a valid scene: %s; build it again with gtscene", path,
-            scene_status_text((enum scene_status)h.detail));
-    if (h.status == USB_ERR_TOO_LARGE)
-        die(EXIT_REFUSED, "%s: %zu bytes, the slot's bank holds %u; build a smaller one", path, bytes, h.detail);
-    if (h.status != USB_OK)
-        die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", path, h.status, h.detail);
-    free(data);
-}
-
-static void device_set_model(struct sim_device *d, uint32_t model)
-{
-    uint32_t payload[2] = {USB_SET_MODEL, model};
-    struct usb_header h;
-    if (!sim_device_request(d, USB_MSG_SET, payload, sizeof payload, &h, NULL, 0) || h.status != USB_OK)
-        die(EXIT_INTERNAL, "the simulated device refuses the model");
-}
-
 /* Dies when the device refused the frame. */
-static void check_frame(const struct render *r, uint32_t status, uint32_t detail)
+static void check_frame(const struct sim_device *d, const struct render *r, uint32_t status, uint32_t detail)
 {
-    if (status == USB_ERR_TABLE)
-        die(EXIT_REFUSED, "%s: the table slot of material %u is empty; give --table SLOT=FILE", r->scene, detail);
-    if (status == USB_ERR_RENDER)
-        die(EXIT_REFUSED, "%s: cannot be rendered: %s", r->scene, raster_status_text((enum raster_status)detail));
-    if (status == USB_ERR_MEMORY)
-        die(EXIT_REFUSED, "%s: the frame needs %u bytes of memory, the device has %zu", r->scene, detail,
-            r->board.arena_bytes);
-    if (status != USB_OK)
-        die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", r->scene, status, detail);
+    char *why = device_refusal(d, status, detail);
+    if (why)
+        die(EXIT_REFUSED, "%s: %s", r->content.scene, why);
 }
 
 static void print_stats(uint32_t tiles, uint32_t meshlets, uint32_t bytes, const struct raster_stats *s)
@@ -141,7 +87,7 @@ static void frame_by_firmware(struct sim_device *d, const struct render *r, uint
     struct usb_stats s;
     if (!sim_device_frame(d, pixels, &h))
         die(EXIT_INTERNAL, "the simulated device does not answer");
-    check_frame(r, h.status, h.detail);
+    check_frame(d, r, h.status, h.detail);
     if (!r->stats)
         return;
     if (!sim_device_request(d, USB_MSG_STATS, &want, sizeof want, &h, &s, sizeof s) || h.status != USB_OK)
@@ -160,11 +106,11 @@ static void frame_by_pool(struct sim_device *d, const struct render *r, uint8_t 
     struct raster_stats sum;
     enum raster_status status = app_frame_begin(&d->app, false);
     if (status == RASTER_ERR_TABLE)
-        check_frame(r, USB_ERR_TABLE, frame->bad_material);
+        check_frame(d, r, USB_ERR_TABLE, frame->bad_material);
     if (status == RASTER_ERR_ARENA)
-        check_frame(r, USB_ERR_MEMORY, (uint32_t)frame->arena_needed);
+        check_frame(d, r, USB_ERR_MEMORY, (uint32_t)frame->arena_needed);
     if (status != RASTER_OK)
-        check_frame(r, USB_ERR_RENDER, (uint32_t)status);
+        check_frame(d, r, USB_ERR_RENDER, (uint32_t)status);
     tiles_order(order, raster_tile_count(frame), r->shuffled, r->seed);
     tiles_render(pixels, &sum, frame, order, r->threads);
     free(order);
@@ -194,29 +140,23 @@ int command_render(int argc, char **argv)
 {
     static const struct argp_option options[] = {
         {"output", 'o', "FILE", 0, "the picture (PNG)", 0},
-        {"table", 't', "SLOT=FILE", 0, "a table into a table slot, 0 to 15; repeat for more", 0},
-        {"model", 'm', "MODEL", 0, MODEL_NAMES " or scene (scene)", 0},
         {"stats", 'S', NULL, 0, "print what the frame cost, its hash and the time it took on this machine", 0},
         {"threads", 'j', "N", 0, "render tiles on N threads, 1 to 64 (1); the picture is the same", 0},
         {"shuffle", 'r', "SEED", 0, "render tiles in a random order; the picture is the same", 0},
         {0}};
-    static const struct argp_child children[] = {{&board_argp, 0, NULL, 0}, {0}};
+    static const struct argp_child children[] = {{&content_argp, 0, NULL, 0}, {&board_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {
         options,  parse_option, "SCENE", "Renders a scene (from gtscene) into a picture, on the simulated device.",
         children, NULL,         NULL};
-    struct render r = {.board = board_default(), .model = MODEL_OF_SCENE, .threads = 1};
-    r.board.arena_bytes = 4u << 20; /* more than a device has: any scene can be looked at */
+    struct render r = {.board = board_default(), .content.model = MODEL_OF_SCENE, .threads = 1};
+    r.board.arena_bytes = DEVICE_ARENA_BYTES;
     uint8_t descriptors[64];
     struct canvas canvas;
     options_parse(&argp, 0, argc, argv, NULL, &r);
     struct sim_device *d = sim_device_create(&r.board);
     if (!d || sim_device_enumerate(d, descriptors) < 0)
         die(EXIT_INTERNAL, "the simulated device does not start");
-    device_load(d, 0, r.scene);
-    for (uint32_t i = 0; i < RASTER_MAX_SLOTS; i++)
-        if (r.tables[i])
-            device_load(d, i + 1, r.tables[i]);
-    device_set_model(d, r.model);
+    device_load(d, &r.content);
     canvas_init(&canvas, r.board.width, r.board.height, r.board.format);
     size_t bytes = (size_t)canvas.missing * canvas_pixel_bytes(r.board.format);
     uint8_t *pixels = xmalloc(bytes);

@@ -1,11 +1,11 @@
-/* `run`: a program with the simulated device on its USB. */
-#include "gtsim.h"
+/* `run`: a program with the simulated device on its USB; and what `window` shares with it. */
+#include "gtsim_run.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "gtsim_bus.h"
+#include "gtsim.h"
 
 enum { KEY_SERIAL = 1, KEY_FLASH, KEY_FULL_SPEED, KEY_LOCK, KEY_UNPLUG, KEY_FREEZE, KEY_DAMAGE, KEY_VERSION, KEY_BANK };
 
@@ -47,6 +47,10 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case KEY_VERSION:
         o->protocol_version = (unsigned)parse_long("--protocol-version", arg, 1, 255);
         return 0;
+    case ARGP_KEY_SUCCESS:
+        if (o->board.flash_file && o->devices > 1)
+            die(EXIT_USAGE, "--flash is for one device, --devices is %d", o->devices);
+        return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
@@ -67,9 +71,22 @@ static const struct argp_option options[] = {
     {"protocol-version", KEY_VERSION, "N", 0, "claim to speak this version of the protocol", 1},
     {0}};
 
-/* The mocked /sys and /dev are made by a preloaded library, which the child inherits and this process needs for
- * hotplug events: starts this program again with it. */
-static void preload(char **argv)
+static const struct argp_child children[] = {{&board_argp, 0, NULL, 0}, {0}};
+const struct argp bus_argp = {options, parse_option, NULL, NULL, children, NULL, NULL};
+
+struct bus_options bus_default(void)
+{
+    struct bus_options o = {.devices = 1,
+                            .board = board_default(),
+                            .unplug_after = -1,
+                            .freeze_after = -1,
+                            .damage_after = -1,
+                            .protocol_version = USB_PROTOCOL_VERSION};
+    o.board.serial = "GT-SIM-0001";
+    return o;
+}
+
+void bus_preload(const char *subcommand, char **argv)
 {
     const char *libraries = getenv("LD_PRELOAD");
     if (libraries && strstr(libraries, "libumockdev-preload"))
@@ -85,7 +102,7 @@ static void preload(char **argv)
     char **wrapped = xcalloc((size_t)count + 4, sizeof *wrapped);
     wrapped[0] = xstrdup("umockdev-wrapper");
     wrapped[1] = self;
-    wrapped[2] = xstrdup("run");
+    wrapped[2] = xstrdup(subcommand);
     memcpy(wrapped + 3, argv + 1, (size_t)count * sizeof *wrapped);
     execvp(wrapped[0], wrapped);
     die(EXIT_INTERNAL, "umockdev-wrapper cannot be started; install the package umockdev");
@@ -93,7 +110,6 @@ static void preload(char **argv)
 
 int command_run(int argc, char **argv)
 {
-    static const struct argp_child children[] = {{&board_argp, 0, NULL, 0}, {0}};
     static const struct argp argp = {options,
                                      parse_option,
                                      "-- PROGRAM [ARGUMENT...]",
@@ -104,19 +120,11 @@ int command_run(int argc, char **argv)
                                      children,
                                      NULL,
                                      NULL};
-    struct bus_options o = {.devices = 1,
-                            .board = board_default(),
-                            .unplug_after = -1,
-                            .freeze_after = -1,
-                            .damage_after = -1,
-                            .protocol_version = USB_PROTOCOL_VERSION};
+    struct bus_options o = bus_default();
     int first;
-    o.board.serial = "GT-SIM-0001";
     options_parse(&argp, ARGP_IN_ORDER, argc, argv, &first, &o);
     if (first >= argc)
         die(EXIT_USAGE, "no program to run; give one after --, like 'gtsim run -- gtusb info'");
-    if (o.board.flash_file && o.devices > 1)
-        die(EXIT_USAGE, "--flash is for one device, --devices is %d", o.devices);
-    preload(argv);
-    return bus_run(&o, argv + first);
+    bus_preload("run", argv);
+    return bus_run(bus_create(&o), argv + first, NULL);
 }

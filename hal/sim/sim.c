@@ -494,3 +494,8 @@ int sim_in(struct sim *s, uint8_t endpoint, void *data, size_t max)
     }
     return (size_t)n > max ? SIM_OVERFLOW : n;
 }
+
+bool sim_bulk_empty(const struct sim *s)
+{
+    return s->bulk_out.count == 0 && s->bulk_in.count == 0;
+}

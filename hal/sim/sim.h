@@ -94,4 +94,7 @@ int sim_in(struct sim *s, uint8_t endpoint, void *data, size_t max);
 
 size_t sim_packet(const struct sim *s, uint8_t endpoint);
 
+/* True when no packet waits on the bulk endpoints, in either direction. */
+bool sim_bulk_empty(const struct sim *s);
+
 #endif

@@ -129,6 +129,13 @@ int sim_device_enumerate(struct sim_device *d, uint8_t descriptors[64])
     return n < 0 ? n : first + second;
 }
 
+bool sim_device_idle(const struct sim_device *d)
+{
+    const struct protocol *p = &d->app.protocol;
+    return sim_bulk_empty(d->board) && p->state == PROTOCOL_HEADER && p->filled == 0 &&
+           p->packet_used == p->packet_bytes && !p->sending;
+}
+
 /* CRC-32 of IEEE 802.3, half a byte at a time. */
 static uint32_t crc32_of(uint32_t crc, const void *data, size_t bytes)
 {

@@ -40,6 +40,9 @@ int sim_device_control(struct sim_device *d, const uint8_t setup[8], void *data)
  * to `descriptors`; returns their bytes, or a negative enum sim_result. */
 int sim_device_enumerate(struct sim_device *d, uint8_t descriptors[64]);
 
+/* Between two requests: nothing of one has come, nothing of a reply is left. Then another host may make some. */
+bool sim_device_idle(const struct sim_device *d);
+
 /* Puts the check of a request with this payload into its header. DATA goes on from the DATA before; offset 0 starts anew. */
 void sim_device_check(struct sim_device *d, struct usb_header *h, const void *payload);
 
