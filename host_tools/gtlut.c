@@ -9,10 +9,11 @@
 #include "goniotile_version.h"
 
 static const char help[] =
-    "usage: gtlut SUBCOMMAND [options]\n"
+    "Usage: gtlut SUBCOMMAND [options]\n"
     "\n"
     "From a reflectance measurement to the table a device shades with.\n"
     "\n"
+    "Commands:\n"
     "  measure MATERIAL -o out.csv   sample an analytic material with a virtual goniophotometer\n"
     "  formats                       list the measurement formats that are read\n"
     "  import FILE -o out.gtm        a measurement of any of them to a measurement file\n"
@@ -22,11 +23,13 @@ static const char help[] =
     "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
     "  fit FILE --model NAME         the analytic material that comes nearest to a measurement\n"
     "\n"
-    "  gtlut SUBCOMMAND --help       options of one subcommand\n"
-    "  gtlut --version\n"
+    "Examples:\n"
+    "  $ gtlut measure gold -o gold.csv\n"
+    "  $ gtlut check gold.csv\n"
+    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector\n"
     "\n"
-    "Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written, 4 bad input file, 11 found wanting\n"
-    "(check, --max-de not reached).\n";
+    "'gtlut SUBCOMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
+    "4 bad input file, 11 found wanting (check, --max-de not reached).\n";
 
 int gtlut_option(int argc, char **argv, const struct option *options, const char *subcommand_help)
 {

@@ -14,7 +14,7 @@
 #include "host_rgl.h"
 
 static const char help[] =
-    "usage: gtlut build SOURCE -o out.ktx2 [options]\n"
+    "Usage: gtlut build SOURCE -o out.ktx2 [options]\n"
     "\n"
     "Builds a table, KTX 2.0 with RGB9_E5 texels, and says on stderr how far it is from its source. SOURCE is told\n"
     "from the content:\n"
@@ -48,11 +48,11 @@ static const char help[] =
     "  --swap           look l and v up exchanged where v is nearer to the normal: better beyond the measured "
     "theta_in\n"
     "\n"
-    "examples\n"
-    "  gtlut build gold.csv -o gold.ktx2 --kind half_vector                  64 KB\n"
-    "  gtlut build satin.bsdf -o satin.ktx2 --max-de 0.5                     as small as that error allows\n"
-    "  gtlut build merl_sgd.csv:red-phenolic -o red.ktx2 --size 16K\n"
-    "  gtlut build gold.csv -o gold.ktx2 --size 91x46 --swap                 specular frame, 67 KB\n";
+    "Examples:\n"
+    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector                # 64 KB\n"
+    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector --max-de 0.5   # as small as that error allows\n"
+    "  $ gtlut build merl_sgd.csv:red-phenolic -o red.ktx2 --size 16K\n"
+    "  $ gtlut build gold.csv -o gold.ktx2 --size 91x46 --swap                    # specular frame, 67 KB\n";
 
 #define MAX_FILE_BYTES ((size_t)1 << 30)
 

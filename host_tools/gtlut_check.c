@@ -14,7 +14,7 @@
 #include "host_check.h"
 
 static const char help[] =
-    "usage: gtlut check FILE [options]\n"
+    "Usage: gtlut check FILE [options]\n"
     "\n"
     "Looks for what is wrong or missing in a measurement of any format (gtlut formats): coverage of angles, values "
     "that are\n"
@@ -31,7 +31,9 @@ static const char help[] =
     "  --geometry NAME           minidiff or dense (default): where functions are evaluated and clouds resampled\n"
     "  --illuminant NAME, --axes WxHxN, --theta-max DEGREES   as for gtlut import\n"
     "\n"
-    "Example: gtlut check blue.csv --plot blue.svg --repair -o blue.gtm\n";
+    "Examples:\n"
+    "  $ gtlut check gold.csv\n"
+    "  $ gtlut check gold.csv --plot gold.svg --repair -o gold.gtm\n";
 
 /* Whether each is wanting is decided here, once, for text, JSON and exit code. */
 enum { COVERAGE, FINITE, NEGATIVE, OUTLIERS, BLIND, RECIPROCITY, ENERGY, QUANTITY, SUBJECTS };

@@ -10,7 +10,7 @@
 #include "gtlut_table.h"
 #include "host_image.h"
 
-static const char help[] = "usage: gtlut export TABLE -o out.exr|out.png [options]\n"
+static const char help[] = "Usage: gtlut export TABLE -o out.exr|out.png [options]\n"
                            "\n"
                            "Writes all texels of a table into one image, slice by slice in row-major order.\n"
                            "\n"
@@ -26,9 +26,9 @@ static const char help[] = "usage: gtlut export TABLE -o out.exr|out.png [option
                            "  -o FILE       the image; its extension chooses the format\n"
                            "  --exposure F  factor on all values, 1e-6..1e6; default 1\n"
                            "\n"
-                           "examples\n"
-                           "  gtlut export gold.ktx2 -o gold.exr\n"
-                           "  gtlut export gold.ktx2 -o gold.png --exposure 0.2\n";
+                           "Examples:\n"
+                           "  $ gtlut export gold.ktx2 -o gold.exr\n"
+                           "  $ gtlut export gold.ktx2 -o gold.png --exposure 0.2\n";
 
 #define MAX_FILE_BYTES (((size_t)4 << 24) + (1 << 20))
 

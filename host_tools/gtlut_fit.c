@@ -13,7 +13,7 @@
 #include "host_resample.h"
 
 static const char help[] =
-    "usage: gtlut fit FILE --model lafortune_phong|blinn_phong|ggx [options]\n"
+    "Usage: gtlut fit FILE --model lafortune_phong|blinn_phong|ggx [options]\n"
     "\n"
     "Finds the parameters of an analytic model that come nearest to a measurement or table of any format (gtlut "
     "formats):\n"
@@ -29,7 +29,9 @@ static const char help[] =
     "  --geometry NAME           minidiff or dense (default): where functions are evaluated and clouds resampled\n"
     "  --illuminant NAME, --axes WxHxN, --theta-max DEGREES   as for gtlut import\n"
     "\n"
-    "Example: gtlut fit blue.gtm --model ggx\n";
+    "Examples:\n"
+    "  $ gtlut fit gold.csv --model ggx\n"
+    "  $ gtlut fit gold.ktx2 --model lafortune_phong --json\n";
 
 static void print_material(const char *key, const struct fit *fit, const char *source)
 {

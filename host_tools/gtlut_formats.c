@@ -10,7 +10,7 @@
 #include "host_import.h"
 
 static const char help[] =
-    "usage: gtlut formats [--json]\n"
+    "Usage: gtlut formats [--json]\n"
     "\n"
     "Lists the measurement formats that gtlut import, check and fit read: name, usual extensions, what it is.\n"
     "A file's format is told from its content, not from its name. Formats that hold a function of any two\n"
@@ -18,7 +18,9 @@ static const char help[] =
     "\n"
     "  --json   an array of objects with name, extensions, description, evaluated (1 or 0)\n"
     "\n"
-    "Example: gtlut formats\n";
+    "Examples:\n"
+    "  $ gtlut formats\n"
+    "  $ gtlut formats --json\n";
 
 static void print_json(const struct import_format *f)
 {

@@ -12,7 +12,7 @@
 #include "host_resample.h"
 
 static const char help[] =
-    "usage: gtlut import FILE -o out.gtm [options]\n"
+    "Usage: gtlut import FILE -o out.gtm [options]\n"
     "\n"
     "Brings a measurement to the measurement file that gtlut build reads. The format is told from the content; gtlut\n"
     "formats lists what is read. Samples on a regular grid are kept as they are. Irregular ones are resampled to\n"
@@ -29,7 +29,9 @@ static const char help[] =
     "  --theta-max DEGREES   of a composite image: theta_in of the last slice, default 60\n"
     "  --fill-blind-spot     interpolate across the spot around the light that the instrument cannot see, and mark it\n"
     "\n"
-    "Example: gtlut import blue.bsdf --geometry dense -o blue.gtm && gtlut build blue.gtm -o blue.ktx2\n";
+    "Examples:\n"
+    "  $ gtlut import gold.csv -o gold.gtm\n"
+    "  $ gtlut import blue.bsdf --geometry dense --fill-blind-spot -o blue.gtm\n";
 
 static void parse_axes(struct import_options *o, const char *text)
 {

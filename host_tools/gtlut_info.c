@@ -13,16 +13,16 @@
 #include "host_metrics.h"
 
 static const char help[] =
-    "usage: gtlut info FILE [--json]\n"
+    "Usage: gtlut info FILE [--json]\n"
     "\n"
     "Describes a measurement (measurement file or CSV) or a table (KTX 2.0): size, axes, metadata, range of\n"
     "the values and, for a table, the albedo. One `name: value` per line on stdout.\n"
     "\n"
     "  --json  one JSON object instead\n"
     "\n"
-    "examples\n"
-    "  gtlut info gold.ktx2\n"
-    "  gtlut info gold.ktx2 --json | jq .albedo\n";
+    "Examples:\n"
+    "  $ gtlut info gold.ktx2\n"
+    "  $ gtlut info gold.ktx2 --json\n";
 
 #define MAX_FILE_BYTES ((size_t)1 << 30)
 

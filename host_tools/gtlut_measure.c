@@ -13,8 +13,8 @@
 #include "gtlut_materials.h"
 #include "host_measurement.h"
 
-static const char help[] = "usage: gtlut measure MATERIAL -o out.csv [options]\n"
-                           "       gtlut measure --list\n"
+static const char help[] = "Usage: gtlut measure MATERIAL -o out.csv [options]\n"
+                           "  or:  gtlut measure --list\n"
                            "\n"
                            "Samples an analytic material as a goniophotometer would and writes CSV: theta_in, "
                            "theta_out, phi_out in degrees, BRDF in\n"
@@ -26,7 +26,12 @@ static const char help[] = "usage: gtlut measure MATERIAL -o out.csv [options]\n
                            "                   both in steps of one degree over theta_out and phi_out 0..359\n"
                            "  --noise PERCENT  relative Gaussian noise, 0..50; default 0\n"
                            "  --seed N         of the noise; default 1\n"
-                           "  --list           print the materials and exit\n";
+                           "  --list           print the materials and exit\n"
+                           "\n"
+                           "Examples:\n"
+                           "  $ gtlut measure --list\n"
+                           "  $ gtlut measure gold -o gold.csv\n"
+                           "  $ gtlut measure gold --geometry dense --noise 2 -o noisy.csv\n";
 
 static const double pi = 3.14159265358979323846;
 

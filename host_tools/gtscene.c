@@ -10,29 +10,47 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char usage[] =
-    "usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER] [--lod-error PIXELS] [--no-lod]\n"
-    "                     [--normal-error DEGREES]\n"
-    "       gtscene info SCENE.blob\n"
-    "       gtscene --help | --version\n";
+static const char help[] =
+    "Usage: gtscene COMMAND [options]\n"
+    "\n"
+    "From meshes and a description of a scene to the blob that the device renders.\n"
+    "\n"
+    "Commands:\n"
+    "  build SCENE.json -o SCENE.blob   make a scene blob\n"
+    "  info SCENE.blob                  check and describe one\n"
+    "\n"
+    "Examples:\n"
+    "  $ gtscene build six_models.json -o six_models.blob\n"
+    "  $ gtscene info six_models.blob\n"
+    "\n"
+    "'gtscene COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
+    "4 bad input file.\n";
 
 static void print_build_help(void)
 {
-    printf("usage: gtscene build SCENE.json -o SCENE.blob [--data FOLDER] [--lod-error PIXELS] [--no-lod]\n"
-           "                     [--normal-error DEGREES]\n"
+    printf("Usage: gtscene build SCENE.json -o SCENE.blob [options]\n"
+           "\n"
            "Builds the scene blob: meshes become small meshlets with quantised positions and normals.\n"
-           "  -o, --output FILE   the blob; - is standard output\n"
-           "      --data FOLDER   where mesh files are that do not lie relative to the scene file\n"
-           "      --lod-error PIXELS  draw the coarsest level of detail whose error on the screen is at most this, 0 "
-           "to 64\n"
-           "                      (the scene file's, else 0.5); 0 draws the finest\n"
-           "      --no-lod        store the finest level only\n"
+           "\n"
+           "Options:\n"
+           "  -o, --output FILE       the blob; - is standard output\n"
+           "      --data FOLDER       where mesh files are that do not lie relative to the scene file\n"
+           "      --lod-error PIXELS  draw the coarsest level of detail whose error on the screen is at most this,\n"
+           "                          0 to 64 (the scene file's, else 0.5); 0 draws the finest\n"
+           "      --no-lod            store the finest level only\n"
            "      --normal-error DEGREES  split meshlets until interpolated normals stray by less (0.4; 0.01 to 90):\n"
-           "                      less is truer on coarsely curved meshes, more makes a smaller blob\n"
-           "      --help          this text\n"
+           "                          less is truer on coarsely curved meshes, more makes a smaller blob\n"
+           "      --help              this text\n"
+           "\n"
+           "Examples:\n"
+           "  $ gtscene build six_models.json -o six_models.blob\n"
+           "  $ gtscene build spot.json --data meshes --lod-error 1 -o spot.blob\n"
+           "\n"
            "Models of materials: " MODEL_NAMES ".\n"
            "Lights: directional (direction, irradiance) or of type point (position, power, radius).\n"
-           "Mesh files: .obj .ply .gltf .glb. Built-in shapes and their parameters (default; range):\n");
+           "Mesh files: .obj .ply .gltf .glb.\n"
+           "\n"
+           "Built-in shapes and their parameters (default; range):\n");
     for (const struct shape *s = shapes; s->name; s++) {
         printf("  %-13s %s\n", s->name, s->what);
         for (int i = 0; i < SHAPE_MAX_PARAMETERS && s->parameters[i].name; i++) {
@@ -94,8 +112,12 @@ static int run_info(int argc, char **argv)
     for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         if (c != 'h')
             return EXIT_USAGE;
-        printf("usage: gtscene info SCENE.blob\n"
-               "Checks a scene blob as the device does and prints what it holds.\n");
+        printf("Usage: gtscene info SCENE.blob\n"
+               "\n"
+               "Checks a scene blob as the device does and prints what it holds.\n"
+               "\n"
+               "Examples:\n"
+               "  $ gtscene info six_models.blob\n");
         return EXIT_OK;
     }
     if (optind != argc - 1)
@@ -116,7 +138,7 @@ int main(int argc, char **argv)
     const char *command = argc > 1 ? argv[1] : "";
     common_set_name("gtscene", NULL);
     if (!strcmp(command, "--help") || !strcmp(command, "-h")) {
-        printf("%sMakes scene blobs; `gtscene COMMAND --help` tells more.\n", usage);
+        fputs(help, stdout);
         return EXIT_OK;
     }
     if (!strcmp(command, "--version")) {
@@ -128,9 +150,6 @@ int main(int argc, char **argv)
         return run_build(argc - 1, argv + 1);
     if (!strcmp(command, "info"))
         return run_info(argc - 1, argv + 1);
-    fputs(usage, stderr);
     common_set_name("gtscene", NULL);
-    if (*command)
-        die(EXIT_USAGE, "'%s' is not a command; give build or info", command);
-    return EXIT_USAGE;
+    die(EXIT_USAGE, "'%s' is not a command; see gtscene --help", command);
 }

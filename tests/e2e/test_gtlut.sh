@@ -71,11 +71,11 @@ refused() {
 
 # --- help ---
 helps() {
-    quiet "$G" --help >out && grep -q 'usage: gtlut' out || return 1
+    quiet "$G" --help >out && grep -q 'Usage: gtlut' out || return 1
     quiet "$G" --version >out && grep -qxE 'gtlut [0-9]+\.[0-9]+\.[0-9]+' out || return 1
     for s in measure import build info export; do
         grep -q "^  $s " <("$G" --help) || { echo "$s is not in gtlut --help"; return 1; }
-        quiet "$G" $s --help >out && grep -q "usage: gtlut $s" out || return 1
+        quiet "$G" $s --help >out && grep -q "Usage: gtlut $s" out || return 1
     done
 }
 ok "help and version go to stdout with exit code 0, for every subcommand" helps

@@ -154,7 +154,7 @@ usage() {
     refused 2 "--max-reciprocity: '3' is not a number from 0 to 2" check y.csv --max-reciprocity 3 || return 1
     edit 'if ($1 == 20) $5 *= 1.1' >skewed.csv && sound skewed.csv && wanting reciprocity 'relative error 0.0' skewed.csv --max-reciprocity 0.01 || return 1
     refused 3 'missing: No such file' check missing && refused 4 'no samples' check /dev/null || return 1
-    "$G" check --help | grep -q 'usage: gtlut check' && "$G" fit --help | grep -q 'usage: gtlut fit' || return 1
+    "$G" check --help | grep -q 'Usage: gtlut check' && "$G" fit --help | grep -q 'Usage: gtlut fit' || return 1
     refused 2 'no model; give --model' fit y.csv && refused 2 "--model: 'x' is not" fit y.csv --model x || return 1
     refused 2 'leave it out' fit y.csv --model ggx -o x && refused 4 'no samples' fit /dev/null --model ggx
 }

@@ -48,7 +48,7 @@ lists() {
         grep -qE "^$f +\." out || { echo "$f is not listed"; return 1; }
     done
     quiet "$G" formats --json >out && refused 2 'none is wanted' formats x && refused 2 'leave it out' formats -o x || return 1
-    quiet "$G" formats --help | grep -q 'usage: gtlut formats' || return 1
+    quiet "$G" formats --help | grep -q 'Usage: gtlut formats' || return 1
     command -v node >/dev/null || return 0
     node -e 'const a = JSON.parse(require("fs").readFileSync("out")); process.exit(a.length == 10 && a[1].name == "rgl" && a[1].evaluated ? 0 : 1)'
 }

@@ -230,7 +230,7 @@ ok "info refuses a foreign file" refused 4 'noise\.json: not a scene blob' "$G" 
 ok "info refuses a missing file" refused 3 'nowhere' "$G" info "$T/nowhere"
 
 # --- usage ---
-ok "no command is a usage error" refused 2 '^usage' "$G"
+ok "no command is a usage error" refused 2 "'' is not a command; see" "$G"
 ok "an unknown command is a usage error" refused 2 "'make' is not a command" "$G" make
 ok "a missing output is a usage error" refused 2 'no output file' "$G" build "$T/s.json"
 ok "two scene files are a usage error" refused 2 '2 scene files given, 1 wanted' "$G" build a b -o "$T/x.blob"
