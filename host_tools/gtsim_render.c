@@ -145,9 +145,16 @@ int command_render(int argc, char **argv)
         {"shuffle", 'r', "SEED", 0, "render tiles in a random order; the picture is the same", 0},
         {0}};
     static const struct argp_child children[] = {{&content_argp, 0, NULL, 0}, {&board_argp, 0, NULL, 0}, {0}};
-    static const struct argp argp = {
-        options,  parse_option, "SCENE", "Renders a scene (from gtscene) into a picture, on the simulated device.",
-        children, NULL,         NULL};
+    static const struct argp argp = {options,
+                                     parse_option,
+                                     "SCENE",
+                                     "Renders a scene (from gtscene) into a picture, on the simulated device."
+                                     "\vExamples:\n"
+                                     "  $ gtsim render six_models.blob --model lafortune_phong -o quick.png --stats\n"
+                                     "  $ gtsim render oled.blob --table 0=gold.ktx2 --samples 4 -o gold.png",
+                                     children,
+                                     NULL,
+                                     NULL};
     struct render r = {.board = board_default(), .content.model = MODEL_OF_SCENE, .threads = 1};
     r.board.arena_bytes = DEVICE_ARENA_BYTES;
     uint8_t descriptors[64];

@@ -116,7 +116,10 @@ int command_run(int argc, char **argv)
                                      "Runs PROGRAM and whatever it starts with a mocked USB bus on which the simulated "
                                      "device is the only one. Several commands in one life of the device: "
                                      "gtsim run -- sh -c 'gtusb push ...; gtusb frame ...'. "
-                                     "Ends with PROGRAM's exit code.",
+                                     "Ends with PROGRAM's exit code."
+                                     "\vExamples:\n"
+                                     "  $ gtsim run -- gtusb list\n"
+                                     "  $ gtsim run --flash flash.bin -- sh -c 'gtusb push oled.blob; gtusb info'",
                                      children,
                                      NULL,
                                      NULL};

@@ -31,7 +31,7 @@
     "  wheel, page up/down  distance\n"                                                                                \
     "  m, M   next, previous material is the selected one\n"                                                           \
     "  t, T   its next, previous table slot\n"                                                                         \
-    "  n, N   next, previous model: as the scene says, measured, Lafortune-Phong, Blinn-Phong, metallic-roughness\n"   \
+    "  n, N   next, previous model; the first is: as the scene says\n"                                                 \
     "  e, E   longer, shorter exposure, by a third of a stop\n"                                                        \
     "  1...9  light on or off\n"                                                                                       \
     "  l, L   turn all lights by 15 degrees to the left, right\n"                                                      \
@@ -338,8 +338,9 @@ int command_window(int argc, char **argv)
         "Shows the simulated device's picture in a window. PROGRAM, often $SHELL, and whatever it starts see the "
         "device "
         "as with 'gtsim run': what 'gtusb push' or 'gtusb set' changes appears. Ends with PROGRAM's exit code; without "
-        "PROGRAM, or when closed, with 0.\vKeys:\n" KEYS
-        "\nExample: gtsim window six_models.blob --table 0=gold.ktx2 -- sh -c 'gtusb select 1 0; exec $SHELL'",
+        "PROGRAM, or when closed, with 0.\vKeys:\n" KEYS "\nExamples:\n"
+        "  $ gtsim window six_models.blob --model lafortune_phong\n"
+        "  $ gtsim window oled.blob --table 0=gold.ktx2 -- $SHELL",
         children,
         NULL,
         NULL};

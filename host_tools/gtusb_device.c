@@ -47,7 +47,7 @@ static const struct argp_option option_table[] = {
      0},
     {0}};
 static const struct argp device_argp = {option_table, parse_option, NULL, NULL, NULL, NULL, NULL};
-const struct argp_child device_options[] = {{&device_argp, 0, "Which device:", 1}, {0}};
+const struct argp_child device_options[] = {{&device_argp, 0, "Which device:", 9}, {0}};
 
 static void port_text(char *out, size_t size, libusb_device *device)
 {
@@ -212,9 +212,16 @@ static error_t parse_list_option(int key, char *arg, struct argp_state *state)
 void command_list(int argc, char **argv)
 {
     static const struct argp_option options[] = {{"json", 'j', NULL, 0, "print JSON", 0}, {0}};
-    static const struct argp argp = {
-        options, parse_list_option, NULL, "Prints port, id and serial number of every device, one a line.", NULL, NULL,
-        NULL};
+    static const struct argp argp = {options,
+                                     parse_list_option,
+                                     NULL,
+                                     "Prints port, id and serial number of every device, one a line."
+                                     "\vExamples:\n"
+                                     "  $ gtusb list\n"
+                                     "  $ gtusb list --json",
+                                     NULL,
+                                     NULL,
+                                     NULL};
     struct candidate all[MAX_CANDIDATES];
     bool json = false;
     options_parse(&argp, argc, argv, &json);

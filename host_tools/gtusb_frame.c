@@ -52,7 +52,9 @@ void command_frame(int argc, char **argv)
     static const struct argp argp = {options,
                                      parse_option,
                                      NULL,
-                                     "Lets the device render a frame and stream its tiles, and writes the picture.",
+                                     "Lets the device render a frame and stream its tiles, and writes the picture."
+                                     "\vExamples:\n"
+                                     "  $ gtusb frame -o frame.png",
                                      device_options,
                                      NULL,
                                      NULL};

@@ -93,8 +93,16 @@ static void info_text(const struct usb_info *i, const char *version)
 void command_info(int argc, char **argv)
 {
     static const struct argp_option options[] = {{"json", 'j', NULL, 0, "print JSON", 0}, {0}};
-    static const struct argp argp = {
-        options, parse_option, NULL, "Prints what the device is and what its slots hold.", device_options, NULL, NULL};
+    static const struct argp argp = {options,
+                                     parse_option,
+                                     NULL,
+                                     "Prints what the device is and what its slots hold."
+                                     "\vExamples:\n"
+                                     "  $ gtusb info\n"
+                                     "  $ gtusb info --port 1-1 --json",
+                                     device_options,
+                                     NULL,
+                                     NULL};
     struct report_args a = {false, false};
     struct usb_info info;
     char version[17];
@@ -204,7 +212,10 @@ void command_stats(int argc, char **argv)
     static const struct argp argp = {options,
                                      parse_option,
                                      NULL,
-                                     "Prints what the last frame cost: all tiles, the slowest and the median one.",
+                                     "Prints what the last frame cost: all tiles, the slowest and the median one."
+                                     "\vExamples:\n"
+                                     "  $ gtusb stats\n"
+                                     "  $ gtusb stats --tiles",
                                      device_options,
                                      NULL,
                                      NULL};

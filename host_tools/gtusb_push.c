@@ -207,7 +207,10 @@ void command_push(int argc, char **argv)
         "FILE",
         "Sends a table (KTX 2.0, from gtlut) or a scene (from gtscene) to the device's flash. "
         "The device goes on with what it has until the new file is complete and checked; then its flash is read once "
-        "more and compared. A push that was cut off goes on where it stopped. Prints bytes, time and rate.",
+        "more and compared. A push that was cut off goes on where it stopped. Prints bytes, time and rate."
+        "\vExamples:\n"
+        "  $ gtusb push six_models.blob\n"
+        "  $ gtusb push gold.ktx2 --slot 2",
         device_options,
         NULL,
         NULL};
@@ -254,7 +257,9 @@ void command_verify(int argc, char **argv)
         options,
         parse_option,
         "FILE",
-        "Lets the device read a slot's content from its flash and compares it with a file. Exit code 10: it differs.",
+        "Lets the device read a slot's content from its flash and compares it with a file. Exit code 10: it differs."
+        "\vExamples:\n"
+        "  $ gtusb verify gold.ktx2 --slot 2",
         device_options,
         NULL,
         NULL};

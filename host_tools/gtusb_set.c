@@ -117,8 +117,15 @@ static void set_camera(int argc, char **argv)
         {"fov", 'f', "DEGREES", 0, "vertical field of view, 1 to 179", 0},
         {"near", 'n', "DISTANCE", 0, "distance of the near plane, in world units", 0},
         {0}};
-    static const struct argp argp = {options,        parse_camera, NULL, "Moves the camera, until reset.",
-                                     device_options, NULL,         NULL};
+    static const struct argp argp = {options,
+                                     parse_camera,
+                                     NULL,
+                                     "Moves the camera, until reset."
+                                     "\vExamples:\n"
+                                     "  $ gtusb set camera --eye 0,2,9 --target 0,0,0 --fov 35 --near 0.1",
+                                     device_options,
+                                     NULL,
+                                     NULL};
     struct camera_args a = {.up = {0, 1, 0}};
     struct scene_camera camera;
     options_parse(&argp, argc, argv, &a);
@@ -208,9 +215,15 @@ static void set_light(int argc, char **argv)
          "into all directions, linear sRGB; 39.4784 shows white diffuse as white, one unit away", 0},
         {"radius", 'r', "DISTANCE", 0, "where its light ends", 0},
         {0}};
-    static const struct argp argp = {
-        options,        parse_light, "INDEX", "Replaces light INDEX (the number of lights adds one), until reset.",
-        device_options, NULL,        NULL};
+    static const struct argp argp = {options,
+                                     parse_light,
+                                     "INDEX",
+                                     "Replaces light INDEX (the number of lights adds one), until reset."
+                                     "\vExamples:\n"
+                                     "  $ gtusb set light 0 --direction 1,1,2 --irradiance 3,3,3",
+                                     device_options,
+                                     NULL,
+                                     NULL};
     struct light_args a = {.index = -1};
     struct {
         uint32_t index;
@@ -268,9 +281,15 @@ static void set_output(int argc, char **argv)
         {"tone", 'c', "none|aces|linear", 0, "tone curve", 0},
         {"background", 'b', "R,G,B", 0, "sRGB, 0 to 255, where there is no surface", 0},
         {0}};
-    static const struct argp argp = {
-        options,        parse_output, NULL, "Sets exposure, tone curve and background, until reset.",
-        device_options, NULL,         NULL};
+    static const struct argp argp = {options,
+                                     parse_output,
+                                     NULL,
+                                     "Sets exposure, tone curve and background, until reset."
+                                     "\vExamples:\n"
+                                     "  $ gtusb set output --exposure 3 --tone aces --background 21,23,26",
+                                     device_options,
+                                     NULL,
+                                     NULL};
     struct output_args a = {0};
     struct scene_output output;
     options_parse(&argp, argc, argv, &a);
@@ -300,7 +319,10 @@ static void set_model(int argc, char **argv)
     static const struct argp argp = {NULL,
                                      parse_words,
                                      "measured|lafortune_phong|blinn_phong|metallic_roughness|scene",
-                                     "Shades every material by one model, or each as the scene says, until reset.",
+                                     "Shades every material by one model, or each as the scene says, until reset."
+                                     "\vExamples:\n"
+                                     "  $ gtusb set model lafortune_phong\n"
+                                     "  $ gtusb set model scene",
                                      device_options,
                                      NULL,
                                      NULL};
@@ -326,6 +348,9 @@ void command_set(int argc, char **argv)
         }
     if (argc > 1 && !strcmp(argv[1], "--help")) {
         puts("Usage: gtusb set camera|light|output|model [OPTION...]\nChanges what the device draws, until reset.\n\n"
+             "Examples:\n"
+             "  $ gtusb set model lafortune_phong\n"
+             "  $ gtusb set light 0 --direction 1,1,2 --irradiance 3,3,3\n\n"
              "'gtusb set camera --help' and so on explain each.");
         return;
     }
@@ -338,7 +363,9 @@ void command_select(int argc, char **argv)
         NULL,
         parse_words,
         "MATERIAL SLOT",
-        "Lets material MATERIAL (its number in the scene) use the table in SLOT (0 to 15), until reset.",
+        "Lets material MATERIAL (its number in the scene) use the table in SLOT (0 to 15), until reset."
+        "\vExamples:\n"
+        "  $ gtusb select 0 2",
         device_options,
         NULL,
         NULL};
@@ -360,9 +387,15 @@ void command_select(int argc, char **argv)
 
 void command_reset(int argc, char **argv)
 {
-    static const struct argp argp = {
-        NULL,           NULL, NULL, "Lets the device forget what select and set changed; scene and tables stay.",
-        device_options, NULL, NULL};
+    static const struct argp argp = {NULL,
+                                     NULL,
+                                     NULL,
+                                     "Lets the device forget what select and set changed; scene and tables stay."
+                                     "\vExamples:\n"
+                                     "  $ gtusb reset",
+                                     device_options,
+                                     NULL,
+                                     NULL};
     struct usb_info info;
     struct reply r;
     options_parse(&argp, argc, argv, NULL);
