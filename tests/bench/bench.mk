@@ -49,6 +49,9 @@ $(B)/bench/six_knots.blob: host_tools/scenes/six_knots.json $(B)/gtscene
 	$(B)/gtscene build $< -o $@
 bench-built: $(B)/bench/six_knots.blob
 
+# Reads environment maps.
+bench-built: $(B)/bench/goniotile_oiio.so
+
 # Speaks of the reference alone.
 $(B)/bench/bench_models: $(B)/host/tests/bench/bench_models.o $(B)/libreference.a
 	@mkdir -p $(@D)

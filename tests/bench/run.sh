@@ -101,6 +101,10 @@ B=$B tests/bench/shade_rows.sh >>"$csv"
 grep -v '^#' "$work/tables" >>"$csv" || cat "$work/tables" >&2 # the data folder is missing
 B=$B tests/bench/llvmpipe_rows.sh >>"$csv"
 
+# --- environment maps as directional lights ---
+"$B/bench/bench_envlight" >"$work/envlight"
+grep -v '^#' "$work/envlight" >>"$csv" || cat "$work/envlight" >&2 # the data folder is missing
+
 # --- USB: faults, the bus, what a push costs the device ---
 "$B/bench/bench_usb" faults >>"$csv"
 "$B/bench/bench_usb" bus "$scene" "${tables[@]}" >>"$csv"
