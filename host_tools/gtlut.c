@@ -23,13 +23,13 @@ static const char help[] =
     "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
     "  fit FILE --model NAME         the analytic material that comes nearest to a measurement\n"
     "\n"
+    "'gtlut SUBCOMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
+    "4 bad input file, 11 found wanting (check, --max-de not reached).\n"
+    "\n"
     "Examples:\n"
     "  $ gtlut measure gold -o gold.csv\n"
     "  $ gtlut check gold.csv\n"
-    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector\n"
-    "\n"
-    "'gtlut SUBCOMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
-    "4 bad input file, 11 found wanting (check, --max-de not reached).\n";
+    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector\n";
 
 int gtlut_option(int argc, char **argv, const struct option *options, const char *subcommand_help)
 {

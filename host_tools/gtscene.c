@@ -19,12 +19,12 @@ static const char help[] =
     "  build SCENE.json -o SCENE.blob   make a scene blob\n"
     "  info SCENE.blob                  check and describe one\n"
     "\n"
+    "'gtscene COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
+    "4 bad input file.\n"
+    "\n"
     "Examples:\n"
     "  $ gtscene build six_models.json -o six_models.blob\n"
-    "  $ gtscene info six_models.blob\n"
-    "\n"
-    "'gtscene COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
-    "4 bad input file.\n";
+    "  $ gtscene info six_models.blob\n";
 
 static void print_build_help(void)
 {

@@ -63,11 +63,11 @@ static void help(FILE *to)
           "  run      run a program that sees the simulated device on its USB\n"
           "  window   look at the device's picture, move in it, and run a program that sees the device\n"
           "  render   render a scene into a picture, without USB\n"
+          "\n'gtsim COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file, 4 bad input file,\n"
+          "9 refused by the device; 'run' and 'window' end with the program's own.\n"
           "\nExamples:\n"
           "  $ gtsim render six_models.blob --model lafortune_phong -o quick.png\n"
-          "  $ gtsim run -- gtusb list\n"
-          "\n'gtsim COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file, 4 bad input file,\n"
-          "9 refused by the device; 'run' and 'window' end with the program's own.\n",
+          "  $ gtsim run -- gtusb list\n",
           to);
 }
 

@@ -27,13 +27,13 @@ static void help(FILE *to)
     fputs("Usage: gtusb COMMAND [OPTION...]\nTalks to a Goniotile device over USB.\n\nCommands:\n", to);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].purpose);
-    fputs("\nExamples:\n"
+    fputs("\n'gtusb COMMAND --help' explains one. Exit codes: 0 ok, 2 usage, 3 file, 4 bad input file, 5 no device,\n"
+          "6 several devices, 7 permission, 8 USB transfer, 9 refused by the device, 10 contents differ, 130 "
+          "interrupted.\n"
+          "\nExamples:\n"
           "  $ gtusb push six_models.blob\n"
           "  $ gtusb push gold.ktx2 --slot 2\n"
-          "  $ gtusb frame -o frame.png\n"
-          "\n'gtusb COMMAND --help' explains one. Exit codes: 0 ok, 2 usage, 3 file, 4 bad input file, 5 no device,\n"
-          "6 several devices, 7 permission, 8 USB transfer, 9 refused by the device, 10 contents differ, 130 "
-          "interrupted.\n",
+          "  $ gtusb frame -o frame.png\n",
           to);
 }
 

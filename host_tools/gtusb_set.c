@@ -347,11 +347,16 @@ void command_set(int argc, char **argv)
             return;
         }
     if (argc > 1 && !strcmp(argv[1], "--help")) {
-        puts("Usage: gtusb set camera|light|output|model [OPTION...]\nChanges what the device draws, until reset.\n\n"
+        puts("Usage: gtusb set COMMAND [OPTION...]\nChanges what the device draws, until reset.\n\n"
+             "Commands:\n"
+             "  camera   move the camera\n"
+             "  light    replace a light, or add one\n"
+             "  output   set exposure, tone curve and background\n"
+             "  model    shade every material by one model\n\n"
+             "'gtusb set COMMAND --help' explains one.\n\n"
              "Examples:\n"
              "  $ gtusb set model lafortune_phong\n"
-             "  $ gtusb set light 0 --direction 1,1,2 --irradiance 3,3,3\n\n"
-             "'gtusb set camera --help' and so on explain each.");
+             "  $ gtusb set light 0 --direction 1,1,2 --irradiance 3,3,3");
         return;
     }
     die(EXIT_USAGE, "no setting '%s'; it is one of camera, light, output, model", argc > 1 ? argv[1] : "");
