@@ -60,7 +60,7 @@ DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-d
               zlib1g-dev libgsl-dev libumockdev-dev umockdev libglib2.0-dev libsdl2-dev
 CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
 DEPS_FUZZ  := $(DEPS_DEMO) clang-14 libclang-rt-14-dev llvm-14
-DEPS_CHECK := $(DEPS_FUZZ) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox xvfb xdotool
+DEPS_CHECK := $(DEPS_FUZZ) $(CROSS) libcmocka-dev clang-format-14 nodejs npm gnuplot-nox help2man xvfb xdotool
 DEPS_BENCH := $(DEPS_DEMO) $(CROSS) valgrind
 
 deps-demo: ## install what `make demo` needs (Debian packages)
@@ -199,17 +199,27 @@ $(AMALGAMATION).c: host_tools/amalgamate.sh LICENSE $(wildcard lut/*.[ch] raster
 	host_tools/amalgamate.sh $(@D) $(filter lut/% raster/%,$(PUBLIC_H))
 
 # --- installation ---
+VERSION = $(shell grep -oE '[0-9]+[.][0-9]+[.][0-9]+' lut/goniotile_version.h)
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
 PUBLIC_H := $(addprefix lut/,fixed.h func.h goniotile_version.h ktx2.h lut.h rgb9e5.h) raster/raster.h raster/scene.h hal/hal.h \
             $(addprefix firmware/,app.h crc32.h protocol.h table_store.h usb_device.h usb_protocol.h)
-install: all ## install under DESTDIR/PREFIX: tools, library, headers, udev rules
-	install -d $(BIN) $(INC) $(DESTDIR)$(PREFIX)/lib/goniotile \
+MAN := $(DESTDIR)$(PREFIX)/share/man/man1
+.PHONY: man deps-man
+deps-man:
+	@tests/install_deps.sh help2man
+man: $(B)/man/gtlut.1 ## manual pages, from --help
+$(B)/man/gtlut.1: host_tools/man.sh $(TOOLS:%=$(B)/%) | deps-man
+	host_tools/man.sh $(@D) $(TOOLS:%=$(B)/%)
+install: all man ## install under DESTDIR/PREFIX: tools, manual pages, library, headers, pkg-config file, udev rules
+	install -d $(BIN) $(INC) $(MAN) $(DESTDIR)$(PREFIX)/lib/goniotile $(DESTDIR)$(PREFIX)/lib/pkgconfig \
 	    $(DESTDIR)$(PREFIX)/lib/udev/rules.d $(DESTDIR)$(PREFIX)/share/doc/goniotile
 	install $(TOOLS:%=$(B)/%) $(BIN)
 	install -m 644 $(B)/libgoniotile.a $(DESTDIR)$(PREFIX)/lib
 	install -m 644 $(B)/goniotile_oiio.so $(DESTDIR)$(PREFIX)/lib/goniotile
 	install -m 644 $(PUBLIC_H) $(INC)
+	install -m 644 $(B)/man/*.1 $(MAN)
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' host_tools/goniotile.pc.in >$(DESTDIR)$(PREFIX)/lib/pkgconfig/goniotile.pc
 	install -m 644 host_tools/60-goniotile.rules $(DESTDIR)$(PREFIX)/lib/udev/rules.d
 	install -m 644 README.md SPEC.md LICENSE $(DESTDIR)$(PREFIX)/share/doc/goniotile
 

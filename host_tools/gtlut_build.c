@@ -49,10 +49,10 @@ static const char help[] =
     "theta_in\n"
     "\n"
     "Examples:\n"
-    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector                # 64 KB\n"
-    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector --max-de 0.5   # as small as that error allows\n"
+    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector  # 64 KB\n"
+    "  $ gtlut build gold.csv -o gold.ktx2 --kind half_vector --max-de 0.5  # as small as that error allows\n"
     "  $ gtlut build merl_sgd.csv:red-phenolic -o red.ktx2 --size 16K\n"
-    "  $ gtlut build gold.csv -o gold.ktx2 --size 91x46 --swap                    # specular frame, 67 KB\n";
+    "  $ gtlut build gold.csv -o gold.ktx2 --size 91x46 --swap  # specular frame, 67 KB\n";
 
 #define MAX_FILE_BYTES ((size_t)1 << 30)
 

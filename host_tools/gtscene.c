@@ -42,10 +42,6 @@ static void print_build_help(void)
            "                          less is truer on coarsely curved meshes, more makes a smaller blob\n"
            "      --help              this text\n"
            "\n"
-           "Examples:\n"
-           "  $ gtscene build six_models.json -o six_models.blob\n"
-           "  $ gtscene build spot.json --data meshes --lod-error 1 -o spot.blob\n"
-           "\n"
            "Models of materials: " MODEL_NAMES ".\n"
            "Lights: directional (direction, irradiance) or of type point (position, power, radius).\n"
            "Mesh files: .obj .ply .gltf .glb.\n"
@@ -58,6 +54,9 @@ static void print_build_help(void)
             printf("      %-9s %g; %g to %g%s\n", p->name, p->value, p->lo, p->hi, p->whole ? ", whole" : "");
         }
     }
+    puts("\nExamples:\n"
+         "  $ gtscene build six_models.json -o six_models.blob\n"
+         "  $ gtscene build spot.json --data meshes --lod-error 1 -o spot.blob");
 }
 
 static int run_build(int argc, char **argv)
