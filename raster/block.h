@@ -25,10 +25,10 @@ struct raster_plane {
     uint32_t base, dx, dy;
 };
 
-#define RASTER_BLOCK_SHIFT  4  /* the largest block's edge is 2^this */
-#define RASTER_BLOCK_LIGHTS 4  /* lights whose planes are kept for a block */
-#define VIEW_PLANE_BITS     10 /* more than Q15 */
-#define TERM_D_BITS         16 /* of the half-vector table's d coordinate */
+#define RASTER_BLOCK_SHIFT  RASTER_REGION_SHIFT /* the largest block's edge is 2^this */
+#define RASTER_BLOCK_LIGHTS 4                   /* lights whose planes are kept for a block */
+#define VIEW_PLANE_BITS     10                  /* more than Q15 */
+#define TERM_D_BITS         16                  /* of the half-vector table's d coordinate */
 
 enum { PLANE_A_XY, PLANE_B_XY, PLANE_AB_Z, PLANE_TERM, PLANE_COUNT };
 
@@ -146,6 +146,7 @@ raster_model raster_shade_metallic_roughness;
 struct raster_block {
     uint32_t x, y;                /* its first pixel in the tile */
     unsigned shift;               /* its edge is 2^shift pixels */
+    bool exact;                   /* planes do not hold: what they stand for is found at every pixel */
     struct vec3 view[4];          /* towards the eye at its corners (0,0), (e,0), (0,e), (e,e) */
     struct raster_plane plane[3]; /* of their components, Q15 with VIEW_PLANE_BITS more */
     struct raster_block_light light[RASTER_BLOCK_LIGHTS];
@@ -160,9 +161,9 @@ uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raste
 
 /* light.c: whether planes hold over the block of 2^shift pixels at (x, y) on the screen under every directional light. */
 bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift);
-/* In: (x, y) in the tile whose first pixel on the screen is (x0, y0). */
+/* In: (x, y) in the tile whose first pixel on the screen is (x0, y0); exact where shift is 0. */
 void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,
-                        uint32_t y, unsigned shift);
+                        uint32_t y, unsigned shift, bool exact);
 /* Lights the tile's batch, all of the block's, by light `index`. Returns pixels lit. */
 uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, const struct raster *r, uint32_t x0,
                             uint32_t y0, uint32_t index, raster_model *model);

@@ -180,19 +180,37 @@ static inline unsigned raster_sample_shift(const struct raster_frame *f)
     return f->samples == 4;
 }
 
-/* shade.c: shades a tile's surface and writes finished pixels in the frame's format from its start on. rect in pixels. */
+static inline uint32_t raster_slot_of(const struct raster_surface *s)
+{
+    return s->depth_slot & 255;
+}
+
+/* A finished pixel or sample in its surface's place. */
+static inline void raster_put_colour(struct raster_surface *s, uint32_t value)
+{
+    s->normal = value;
+    s->depth_slot &= ~(uint32_t)255;
+}
+
+/* The format in which it is put there: the frame's, but RGB888 where samples will be averaged. */
+static inline uint8_t raster_value_format(const struct raster *r)
+{
+    return r->sample_shift ? RASTER_RGB888 : r->frame.format;
+}
+
+/* shade.c: shades what waits for it and is not shaded in rows, at full quality. No survey is needed. */
+void raster_shade_regions(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                          struct raster_stats *stats);
+/* The same, and finishes the tile. */
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats);
-/* Shades what has a slot, leaves the colours in the surface, and so frees all slots. */
-void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
-                          struct raster_stats *stats);
 
 /* light.c: bytes of arena for lights and lobes, and filling them; the largest shading block's edge is 2^shift pixels. */
 size_t raster_light_bytes(const struct raster_frame *f);
 void raster_light_setup(struct raster *r);
 uint8_t raster_block_shift(const struct raster_view *v);
-/* Finds the point lights that may reach a surface of the tile. */
-void raster_cull_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
+/* Finds the lights that may reach a surface of the tile, which has some. Returns how many point lights they are. */
+uint32_t raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
 
 /* Blinn-Phong's and metallic-roughness' ambient light, which follows all others, and the former's clamp. */
 void raster_finish_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);

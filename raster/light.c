@@ -96,9 +96,16 @@ void raster_lobe_setup(struct raster_lobe *l, uint32_t m)
     }
 }
 
-void raster_cull_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+uint32_t raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
 {
-    uint32_t nearest = 0, farthest = UINT32_MAX;
+    uint32_t nearest = 0, farthest = UINT32_MAX, found = 0;
+    struct raster_light_box box;
+    for (uint32_t i = 0; i < SCENE_MAX_LIGHTS / 32; i++) {
+        const uint32_t directional = r->directional > 32 * i ? r->directional - 32 * i : 0;
+        t->light_reaches[i] = directional < 32 ? (1u << directional) - 1 : UINT32_MAX;
+    }
+    if (r->directional == r->frame.light_count)
+        return 0;
     for (const struct raster_surface *s = t->surface; s != t->surface + RASTER_TILE_PIXELS; s++) {
         uint32_t depth = s->depth_slot >> 8;
         if (depth) {
@@ -106,13 +113,13 @@ void raster_cull_lights(const struct raster *r, struct raster_tile *t, const str
             farthest = depth < farthest ? depth : farthest;
         }
     }
-    struct raster_light_box box;
     raster_light_box_setup(&box, r, rect, nearest, farthest);
-    for (uint32_t i = 0; i < SCENE_MAX_LIGHTS / 32; i++)
-        t->light_reaches[i] = 0;
     for (uint32_t i = r->directional; i < r->frame.light_count; i++)
-        if (raster_light_box_reached(&box, &r->lights[i].v, r->lights[i].radius))
+        if (raster_light_box_reached(&box, &r->lights[i].v, r->lights[i].radius)) {
             t->light_reaches[i / 32] |= 1u << i % 32;
+            found++;
+        }
+    return found;
 }
 
 uint32_t raster_lobe_exact(const struct raster_lobe *l, uint32_t x)
@@ -360,7 +367,7 @@ uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, c
 {
     const struct raster_light *light = &r->lights[index];
     struct raster_batch *b = &t->batch;
-    if (light->radius || !block->shift)
+    if (light->radius || block->exact)
         return shade_pixels(t, r, x0 + block->x, y0 + block->y, light, model);
     const uint32_t place = index % RASTER_BLOCK_LIGHTS;
     if (index >= RASTER_BLOCK_LIGHTS || !(block->ready >> index & 1))
@@ -388,11 +395,12 @@ bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsign
 }
 
 void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,
-                        uint32_t y, unsigned shift)
+                        uint32_t y, unsigned shift, bool exact)
 {
     out->x = x;
     out->y = y;
     out->shift = shift;
+    out->exact = exact;
     out->ready = 0;
     for (uint32_t i = 0; i < 4; i++)
         out->view[i] = raster_view_vector(r, x0 + x + ((i & 1) << shift), y0 + y + ((i >> 1) << shift));

@@ -4,11 +4,11 @@
  *   raster_tile_begin(r, index, t, &rect, &stats);
  *   for (bool full = true; full;) {
  *       full = raster_tile_draw(r, t, &stats);     every meshlet drawn, or no slot left
- *       raster_tile_survey(r, t, &rect, &survey);
- *       for (uint32_t region = 0; region < survey.regions; region++)
+ *       const struct raster_survey *s = raster_tile_survey(r, t, &rect);
+ *       for (uint32_t region = 0; region < s->regions; region++)
  *           raster_tile_shade(r, t, &rect, region, &quality, &stats);
  *       if (full)
- *           raster_tile_free_slots(t);
+ *           raster_tile_free_slots(r, t, &rect, &stats);
  *   }
  *   raster_tile_finish(r, t, &rect, &stats);
  *
@@ -23,9 +23,6 @@
 #define RASTER_QUALITY_H
 
 #include "raster.h"
-
-#define RASTER_REGION_SHIFT 4 /* log2 of a region's edge, pixels */
-#define RASTER_MAX_REGIONS  (RASTER_TILE_PIXELS >> 2 * RASTER_REGION_SHIFT)
 
 enum raster_rate {
     RASTER_RATE_1X1,
@@ -43,15 +40,6 @@ enum raster_rate {
 struct raster_quality {
     uint8_t rate[SCENE_MAX_MATERIALS]; /* enum raster_rate */
     uint8_t lights; /* how many of a tile's lights are evaluated, the strongest first; RASTER_ALL_LIGHTS: all */
-};
-
-/* Of a tile that is drawn: pixels to be shaded. */
-struct raster_survey {
-    uint32_t regions;      /* of the tile, row-major */
-    uint32_t slots;        /* taken: the most that a flat tile evaluates */
-    uint32_t point_lights; /* that may reach one of its surfaces */
-    uint32_t pixels[SCENE_MAX_MATERIALS];
-    uint16_t region_pixels[RASTER_MAX_REGIONS][SCENE_MAX_MATERIALS];
 };
 
 /* Begins a tile: as raster_render_tile, before its first meshlet. Out: *rect its place on the screen; *stats zero. */

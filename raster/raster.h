@@ -69,7 +69,9 @@ struct raster_stats {
     uint32_t triangles; /* front-facing ones set up */
     uint32_t tested;    /* pixels whose depth was compared */
     uint32_t covered;   /* pixels of the tile that show a surface */
-    uint32_t shaded;    /* pixel-lights evaluated */
+    uint32_t samples;   /* surfaces shaded, each by all lights that may reach it */
+    uint32_t tried;     /* pixel-lights: of them, whether the surface faces the light or not */
+    uint32_t shaded;    /* pixel-lights evaluated: of those, what is lit */
     uint32_t fetches;   /* table texels read */
 };
 
@@ -120,7 +122,7 @@ struct raster {
 #define RASTER_TILE_PIXELS (RASTER_TILE_WIDTH * RASTER_TILE_HEIGHT)
 #define RASTER_BATCH       64  /* pixels of one material shaded together */
 #define RASTER_RUN_LIGHTS  16  /* most lights of a frame whose diffuse surfaces are shaded in runs */
-#define RASTER_SLOTS       128 /* meshlets of a tile between two shadings, plus one; at most 256 */
+#define RASTER_SLOTS       128 /* meshlets of a tile between two shadings, plus one; at most 128 */
 
 struct raster_surface {
     uint32_t depth_slot; /* depth << 8 | slot, larger is nearer; 0 = background; slot 0 = already shaded */
@@ -169,19 +171,45 @@ struct raster_batch {
     uint32_t diffuse_material; /* whose, plus one; 0: none yet */
 };
 
+#define RASTER_REGION_SHIFT  4 /* log2 of a region's edge, pixels: see quality.h */
+#define RASTER_REGIONS(edge) (((edge) + (1u << RASTER_REGION_SHIFT) - 1) >> RASTER_REGION_SHIFT)
+#define RASTER_MAX_REGIONS   (RASTER_REGIONS(RASTER_TILE_WIDTH) * RASTER_REGIONS(RASTER_TILE_HEIGHT))
+
+/* What waits for its shading, of one material. Cells are of 4 x 4 pixels, aligned in the tile. */
+struct raster_area {
+    uint16_t pixels; /* samples of them, where there are 4 in a pixel */
+    uint16_t cells;  /* pairs of a cell and a meshlet that shows in it: what is shaded at rate 4x4 */
+};
+
+/* Of a tile that is drawn. Materials are those of the scene: further rows are not filled. */
+struct raster_survey {
+    uint32_t regions;      /* of the tile, row-major */
+    uint32_t slots;        /* taken: the most that a flat tile evaluates */
+    uint32_t point_lights; /* that may reach one of its surfaces */
+    struct raster_area total[SCENE_MAX_MATERIALS];
+    struct raster_area area[SCENE_MAX_MATERIALS][RASTER_MAX_REGIONS];
+};
+
 struct raster_tile {
     struct raster_surface surface[RASTER_TILE_PIXELS]; /* the finished pixels overwrite it from the start */
     struct raster_slot slots[RASTER_SLOTS];            /* 0 is not used */
-    union {                                            /* the meshlet being drawn */
+    union {                                            /* the meshlet being drawn; then the tile being shaded */
         struct raster_small small[SCENE_MESHLET_MAX_VERTICES];
         struct {
             struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
             struct raster_clip_vertex clip[SCENE_MESHLET_MAX_VERTICES];
         } general;
+        struct {
+            struct raster_survey survey;
+            uint32_t flat[RASTER_SLOTS]; /* a slot's finished colour, see shade.c */
+        } shading;
     } m;
     int32_t spans[2 * RASTER_TILE_HEIGHT];
-    uint32_t slot_count;                           /* used, without slot 0 */
-    uint32_t light_reaches[SCENE_MAX_LIGHTS / 32]; /* point lights that may reach a surface of the tile */
+    int32_t centre_x2,
+        centre_y2;       /* the picture's centre from the tile's corner in 1/512 px, plus one to round to nearest */
+    uint32_t node;       /* of the next meshlet; 0: all are drawn */
+    uint32_t slot_count; /* used, without slot 0 */
+    uint32_t light_reaches[SCENE_MAX_LIGHTS / 32]; /* lights that may reach a surface of the tile */
     struct raster_batch batch;
 };
 

@@ -1,50 +1,29 @@
 /*
- * Deferred shading of a tile. Surfaces that need the view are shaded block by block (block.h): pixels of one material are
- * gathered into a batch, which is lit by every light, tone mapped and packed, and whose colours take the surface's place. Then
- * follows a pass by rows: diffuse surfaces are shaded there, run by run of one meshlet, and finished pixels are
- * stored from the surface's start on; a pixel takes 2 or 3 of the 8 bytes it had, so writing never overtakes reading.
+ * Deferred shading of a tile, region by region and material by material. Surfaces of one material are gathered block by block
+ * (block.h) into a batch, which is lit by every light, tone mapped and packed, and whose colours take the surfaces' place. What is gathered
+ * is every sample, or one for each meshlet in a cell of them, or one for each meshlet (quality.h).
  */
 #include "block.h"
 #include "func.h"
+#include "quality.h"
 
-struct output {
+#define FLAT_KNOWN  0x80000000u
+#define NO_MATERIAL UINT32_MAX
+
+/* Surfaces of one material being shaded, and the region they are in. */
+struct shading {
     const struct raster *r;
     struct raster_tile *t;
-    uint32_t width, height; /* pixels */
     uint32_t x0, y0;        /* the tile's first pixel */
-    uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
-    bool whole_pixels;      /* samples of one pixel and slot are shaded once */
+    uint32_t width, height; /* of the tile, pixels */
+    const struct raster_quality *quality;
+    uint32_t material;
+    uint32_t other;         /* one that was met, too */
+    uint8_t format;         /* of a finished value */
+    uint8_t cell_x, cell_y; /* log2 of a cell's edges, in samples */
+    bool mean;              /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
+    bool flat;              /* a meshlet has one colour */
 };
-
-static inline void store_pixel(const struct output *o, uint32_t index, uint32_t value)
-{
-    if (o->r->frame.format == RASTER_RGB565) {
-        ((uint16_t *)o->t->surface)[index] = (uint16_t)value;
-    } else {
-        uint8_t *out = (uint8_t *)o->t->surface + 3 * index;
-        out[0] = (uint8_t)value;
-        out[1] = (uint8_t)(value >> 8);
-        out[2] = (uint8_t)(value >> 16);
-    }
-}
-
-/* A run of finished pixels. */
-static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
-{
-    if (o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface + y * o->width + x;
-        for (const uint32_t *end = values + count; values != end; values++)
-            *out++ = (uint16_t)*values;
-        return;
-    }
-    for (uint32_t i = 0; i < count; i++)
-        store_pixel(o, y * o->width + x + i, values[i]);
-}
-
-static inline uint32_t slot_of(const struct raster_surface *s)
-{
-    return s->depth_slot & 255;
-}
 
 static raster_model *find_model(const struct raster *r, const struct scene_material *m)
 {
@@ -61,25 +40,6 @@ static raster_model *find_model(const struct raster *r, const struct scene_mater
     }
 }
 
-/* A finished pixel or sample in its surface's place. */
-static inline void put_colour(struct raster_surface *s, uint32_t value)
-{
-    s->normal = value;
-    s->depth_slot &= ~(uint32_t)255;
-}
-
-/* The same for all of its pixel's samples that show the same slot. */
-static void put_pixel(const struct output *o, uint32_t index, uint32_t value)
-{
-    struct raster_surface *corner = &o->t->surface[index & ~(uint32_t)(RASTER_TILE_WIDTH + 1)];
-    const uint32_t slot = slot_of(&o->t->surface[index]);
-    for (int i = 0; i < 4; i++) {
-        struct raster_surface *s = corner + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
-        if (slot_of(s) == slot)
-            put_colour(s, value);
-    }
-}
-
 /* Keeps it below 2^31. */
 static void limit_radiance(struct raster_batch *b)
 {
@@ -87,34 +47,59 @@ static void limit_radiance(struct raster_batch *b)
         *c = *c < INT32_MAX ? *c : INT32_MAX;
 }
 
-static void flush(const struct output *o, struct raster_block *k, struct raster_stats *stats)
+/* The same for all samples of its cell that show the same slot. */
+static void put_cell(const struct shading *o, uint32_t index, uint32_t value)
+{
+    const uint32_t columns = (1u << o->cell_x) - 1, rows = (1u << o->cell_y) - 1;
+    const uint32_t slot = raster_slot_of(&o->t->surface[index]);
+    struct raster_surface *s = &o->t->surface[index & ~(columns + rows * RASTER_TILE_WIDTH)];
+    for (uint32_t y = 0; y <= rows; y++, s += RASTER_TILE_WIDTH)
+        for (uint32_t x = 0; x <= columns; x++)
+            if (raster_slot_of(&s[x]) == slot)
+                raster_put_colour(&s[x], value);
+}
+
+static void put_values(const struct shading *o, const uint32_t *value)
+{
+    const struct raster_batch *b = &o->t->batch;
+    if (o->flat)
+        for (uint32_t i = 0; i < b->count; i++)
+            o->t->m.shading.flat[raster_slot_of(&o->t->surface[b->surface[i]])] = value[i] | FLAT_KNOWN;
+    else if (o->cell_x | o->cell_y)
+        for (uint32_t i = 0; i < b->count; i++)
+            put_cell(o, b->surface[i], value[i]);
+    else
+        for (uint32_t i = 0; i < b->count; i++)
+            raster_put_colour(&o->t->surface[b->surface[i]], value[i]);
+}
+
+static void flush(const struct shading *o, struct raster_block *k, struct raster_stats *stats)
 {
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
-    const struct scene_material *m = &r->frame.materials[b->material];
+    const struct scene_material *m = &r->frame.materials[o->material];
     raster_model *model = find_model(r, m);
     uint32_t lit = 0;
+    if (!b->count)
+        return;
     __builtin_memset(b->radiance, 0, b->count * sizeof b->radiance[0]);
     for (unsigned l = 0, added = 0; l < r->frame.light_count; l++) {
-        if (r->lights[l].radius && !(o->t->light_reaches[l / 32] >> l % 32 & 1))
+        if (!(o->t->light_reaches[l / 32] >> l % 32 & 1))
             continue;
         lit += raster_shade_light(o->t, k, r, o->x0, o->y0, l, model);
+        stats->tried += b->count;
         if (++added % 16 == 0) /* sums of 2^31 and RASTER_LIGHT_LIMIT */
             limit_radiance(b);
     }
     limit_radiance(b);
+    stats->samples += b->count;
     stats->shaded += lit;
     if (m->kind == SCENE_MATERIAL_MEASURED)
         stats->fetches += 8 * lit;
     raster_finish_ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
     raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
-    if (o->whole_pixels && r->sample_shift)
-        for (uint32_t i = 0; i < b->count; i++)
-            put_pixel(o, b->surface[i], value[i]);
-    else
-        for (uint32_t i = 0; i < b->count; i++)
-            put_colour(&o->t->surface[b->surface[i]], value[i]);
+    put_values(o, value);
     b->count = 0;
 }
 
@@ -145,11 +130,13 @@ static uint32_t gather_eight(struct raster_tile *t, const struct raster_block *k
                              uint32_t count, const int32_t frame[9], const int32_t view[3], uint32_t at, bool facing)
 {
     struct raster_batch *b = &t->batch;
+    if (count < 3)
+        return 0;
     const uint32_t index = (uint32_t)(s - t->surface);
-    if (count < 3 || index + 8 > RASTER_TILE_PIXELS || b->count + 8 > RASTER_BATCH)
+    if (index + 8 > RASTER_TILE_PIXELS || b->count + 8 > RASTER_BATCH)
         return 0;
     const uint32_t away =
-        raster_gather_wide(&b->pixel[b->count], s, frame, t->slots[slot_of(s)].normal_shift, view, k->plane, at);
+        raster_gather_wide(&b->pixel[b->count], s, frame, t->slots[raster_slot_of(s)].normal_shift, view, k->plane, at);
     count = count < 8 ? count : 8;
     for (uint32_t i = 0; i < count; i++) {
         if (facing && away >> 4 * i & 1)
@@ -160,18 +147,32 @@ static uint32_t gather_eight(struct raster_tile *t, const struct raster_block *k
 }
 #endif
 
-/* Adds `count` surfaces of one slot, side by side from pixel (x, y) of the block on, to its batch. `index`: of the first. */
-static void gather_run(const struct output *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
-                       uint32_t count, struct raster_stats *stats)
+/* Towards the eye at pixel (x, y) of a block, as wide as its planes are. */
+static inline void block_view(int32_t view[3], const struct shading *o, const struct raster_block *k, uint32_t x,
+                              uint32_t y)
 {
-    struct raster_batch *b = &o->t->batch;
-    const struct raster_surface *s = &o->t->surface[index];
-    const struct raster_slot *slot = &o->t->slots[slot_of(s)];
-    const bool facing = needs_facing(&o->r->frame.materials[b->material]);
-    int32_t frame[9], view[3]; /* the latter Q15 with VIEW_PLANE_BITS more, at x */
-    raster_slot_frame(frame, slot);
+    if (k->exact) {
+        const struct vec3 v = raster_view_vector(o->r, o->x0 + k->x + x, o->y0 + k->y + y);
+        view[0] = v.x * (1 << VIEW_PLANE_BITS);
+        view[1] = v.y * (1 << VIEW_PLANE_BITS);
+        view[2] = v.z * (1 << VIEW_PLANE_BITS);
+        return;
+    }
     for (int i = 0; i < 3; i++)
         view[i] = (int32_t)(k->plane[i].base + x * k->plane[i].dx + y * k->plane[i].dy) + (1 << (VIEW_PLANE_BITS - 1));
+}
+
+/* Adds `count` surfaces of one slot from s on, side by side from pixel (x, y) of the block on, to its batch; more than one only where
+ * the block is not exact. Their colours are for the surfaces from `index` on. */
+static void gather_run(const struct shading *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
+                       const struct raster_surface *s, uint32_t count, struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    const struct raster_slot *slot = &o->t->slots[raster_slot_of(&o->t->surface[index])];
+    const bool facing = needs_facing(&o->r->frame.materials[o->material]);
+    int32_t frame[9], view[3]; /* the latter Q15 with VIEW_PLANE_BITS more, at x */
+    raster_slot_frame(frame, slot);
+    block_view(view, o, k, x, y);
     for (const struct raster_surface *end = s + count; s != end; s++, x++, index++) {
         if (b->count == RASTER_BATCH)
             flush(o, k, stats);
@@ -207,270 +208,304 @@ static void gather_run(const struct output *o, struct raster_block *k, uint32_t 
     }
 }
 
-/* Whether an earlier sample of the pixel than s, its i-th, shows the same slot. */
-static bool seen_before(const struct raster_surface *s, uint32_t i)
+static inline bool waits_for_rows(const struct shading *o, uint32_t material)
 {
-    const struct raster_surface *first = s - (i & 1) - (i >> 1) * RASTER_TILE_WIDTH;
-    for (uint32_t j = 0; j < i; j++)
-        if (slot_of(first + (j & 1) + (j >> 1) * RASTER_TILE_WIDTH) == slot_of(s))
-            return true;
+    return o->r->in_rows[material] && o->quality->rate[material] == RASTER_RATE_1X1;
+}
+
+/* Whether a surface is of the material being shaded. Takes note of others. */
+static inline bool is_wanted(struct shading *o, const struct raster_surface *s)
+{
+    const uint32_t slot = raster_slot_of(s);
+    if (!slot)
+        return false;
+    const uint32_t material = o->t->slots[slot].material;
+    if (material == o->material)
+        return true;
+    if (!waits_for_rows(o, material))
+        o->other = material;
     return false;
 }
 
-/* Whether a surface is for the batch now: of its material, which the first one chooses. Sets *left for one of another. */
-static inline bool is_wanted(const struct output *o, const struct raster_surface *s, bool *left)
-{
-    const uint32_t slot = slot_of(s);
-    if (!slot || o->r->in_rows[o->t->slots[slot].material])
-        return false;
-    struct raster_batch *b = &o->t->batch;
-    const uint32_t material = o->t->slots[slot].material;
-    if (b->material == UINT32_MAX)
-        b->material = material;
-    *left |= material != b->material;
-    return material == b->material;
-}
-
-static void gather_row(const struct output *o, struct raster_block *k, uint32_t y, uint32_t width, bool *left,
+/* A block's row of pixels, each shaded by itself. */
+static void gather_row(struct shading *o, struct raster_block *k, uint32_t y, uint32_t width,
                        struct raster_stats *stats)
 {
     const uint32_t index = (k->y + y) * RASTER_TILE_WIDTH + k->x;
     const struct raster_surface *row = &o->t->surface[index];
     for (uint32_t x = 0; x < width;) {
-        uint32_t end = x + 1, slot = slot_of(&row[x]);
-        while (end < width && slot_of(&row[end]) == slot)
+        uint32_t end = x + 1, slot = raster_slot_of(&row[x]);
+        while (end < width && raster_slot_of(&row[end]) == slot)
             end++;
-        if (is_wanted(o, &row[x], left))
-            gather_run(o, k, x, y, index + x, end - x, stats);
+        if (is_wanted(o, &row[x]))
+            gather_run(o, k, x, y, index + x, &row[x], end - x, stats);
         x = end;
     }
 }
 
-static void gather_samples(const struct output *o, struct raster_block *k, uint32_t y, uint32_t width, bool *left,
-                           struct raster_stats *stats)
+/* A cell cut at the picture's edge, in samples. */
+struct cell {
+    uint32_t index; /* of its first surface */
+    uint32_t x, y;  /* of that, in the block */
+    uint32_t width, height;
+};
+
+/* Whether it shows the slot of its first sample and no other. */
+static bool cell_is_whole(const struct shading *o, const struct cell *c)
 {
-    for (uint32_t x = 0; x < width; x++)
-        for (uint32_t i = 0; i < 4; i++) {
-            const uint32_t index = (2 * (k->y + y) + (i >> 1)) * RASTER_TILE_WIDTH + 2 * (k->x + x) + (i & 1);
-            const struct raster_surface *s = &o->t->surface[index];
-            if (is_wanted(o, s, left) && !(o->whole_pixels && seen_before(s, i)))
-                gather_run(o, k, x, y, index, 1, stats);
+    const struct raster_surface *s = &o->t->surface[c->index];
+    const uint32_t slot = raster_slot_of(s);
+    for (uint32_t y = 0; y < c->height; y++, s += RASTER_TILE_WIDTH)
+        for (uint32_t x = 0; x < c->width; x++)
+            if (raster_slot_of(&s[x]) != slot)
+                return false;
+    return true;
+}
+
+/* The mean of a whole cell's corners, which for one triangle is that of all its samples. Returns the surface amid it. */
+static uint32_t cell_corners(struct raster_surface *mean, const struct shading *o, const struct cell *c)
+{
+    const struct raster_surface *a = &o->t->surface[c->index], *b = a + c->width - 1;
+    const struct raster_surface *corner[4] = {a, b, a + (c->height - 1) * RASTER_TILE_WIDTH,
+                                              b + (c->height - 1) * RASTER_TILE_WIDTH};
+    int32_t u = 2, v = 2;
+    uint32_t depth = 2;
+    for (int i = 0; i < 4; i++) {
+        u += lane_low(corner[i]->normal);
+        v += lane_high(corner[i]->normal);
+        depth += corner[i]->depth_slot >> 8;
+    }
+    *mean = (struct raster_surface){depth >> 2 << 8, lanes(u >> 2, v >> 2)};
+    return c->index + ((c->height - 1) >> 1) * RASTER_TILE_WIDTH + ((c->width - 1) >> 1);
+}
+
+/* The mean of a cell's samples that show the slot of the one at (x, y), its first. Returns the one that is nearest to the centre. */
+static uint32_t cell_mean(struct raster_surface *mean, const struct shading *o, const struct cell *c, uint32_t x,
+                          uint32_t y)
+{
+    const struct raster_surface *s = &o->t->surface[c->index];
+    const uint32_t slot = raster_slot_of(&s[y * RASTER_TILE_WIDTH + x]);
+    uint32_t u = 0, v = 0, depth = 0, count = 0, nearest = 0, best = UINT32_MAX;
+    for (; y < c->height; y++, x = 0)
+        for (; x < c->width; x++) {
+            const uint32_t i = y * RASTER_TILE_WIDTH + x;
+            if (raster_slot_of(&s[i]) != slot)
+                continue;
+            u += (uint32_t)(lane_low(s[i].normal) + 32768); /* so that division rounds one way; sums of 64 */
+            v += (uint32_t)(lane_high(s[i].normal) + 32768);
+            depth += s[i].depth_slot >> 8;
+            count++;
+            const int32_t dx = 2 * (int32_t)x + 1 - (1 << o->cell_x), dy = 2 * (int32_t)y + 1 - (1 << o->cell_y);
+            if ((uint32_t)(dx * dx + dy * dy) < best) {
+                best = (uint32_t)(dx * dx + dy * dy);
+                nearest = i;
+            }
         }
+    const int32_t mean_u = (int32_t)((u + count / 2) / count) - 32768,
+                  mean_v = (int32_t)((v + count / 2) / count) - 32768;
+    *mean = (struct raster_surface){(depth + count / 2) / count << 8, lanes(mean_u, mean_v)};
+    return c->index + nearest;
 }
 
-/* Gathers the block's surfaces of the first material met. Returns whether others are left. */
-static bool gather_material(const struct output *o, struct raster_block *k, uint32_t width, uint32_t height,
-                            struct raster_stats *stats)
-{
-    struct raster_batch *b = &o->t->batch;
-    bool left = false;
-    b->count = 0;
-    b->material = UINT32_MAX;
-    k->ready = 0;
-    for (uint32_t y = 0; y < height; y++)
-        if (o->r->sample_shift)
-            gather_samples(o, k, y, width, &left, stats);
-        else
-            gather_row(o, k, y, width, &left, stats);
-    if (b->count)
-        flush(o, k, stats);
-    return left;
-}
-
-static void shade_block(const struct output *o, uint32_t x, uint32_t y, unsigned shift, struct raster_stats *stats)
-{
-    const uint32_t edge = 1u << shift, right = o->width - x, below = o->height - y;
-    struct raster_block k;
-    raster_block_setup(&k, o->r, o->x0, o->y0, x, y, shift);
-    while (gather_material(o, &k, right < edge ? right : edge, below < edge ? below : edge, stats))
-        ;
-}
-
-/* Whether a surface of the largest block's pixels is for blocks. */
-static bool block_occupied(const struct output *o, uint32_t x0, uint32_t y0)
+/* The surface at `index`, shaded with the normal of another. */
+static void gather_sample(const struct shading *o, struct raster_block *k, uint32_t index,
+                          const struct raster_surface *normal, struct raster_stats *stats)
 {
     const unsigned shift = o->r->sample_shift;
-    const uint32_t edge = 1u << RASTER_BLOCK_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
-                   below = o->height - y0 < edge ? o->height : y0 + edge;
-    for (uint32_t y = y0 << shift; y < below << shift; y++) {
-        const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-        for (uint32_t x = x0 << shift; x < right << shift; x++)
-            if (slot_of(&row[x]) && !o->r->in_rows[o->t->slots[slot_of(&row[x])].material])
-                return true;
-    }
+    gather_run(o, k, (index % RASTER_TILE_WIDTH >> shift) - k->x, (index / RASTER_TILE_WIDTH >> shift) - k->y, index,
+               normal, 1, stats);
+}
+
+/* Whether the cell's slot `slot` has been gathered, into the batch from entry `first` on. */
+static bool is_gathered(const struct shading *o, uint32_t first, uint32_t slot)
+{
+    const struct raster_batch *b = &o->t->batch;
+    for (uint32_t i = first; i < b->count; i++)
+        if (raster_slot_of(&o->t->surface[b->surface[i]]) == slot)
+            return true;
     return false;
 }
 
-/* A block of the largest size, in smaller ones where planes do not hold: in Z order, each as large as its place allows. */
-static void shade_largest(const struct output *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
+/* A cell with other slots, or cut. */
+static void gather_mixed(struct shading *o, struct raster_block *k, const struct cell *c, struct raster_stats *stats)
 {
-    unsigned shift = o->r->block_shift;
+    uint32_t first = o->t->batch.count;
+    for (uint32_t y = 0; y < c->height; y++)
+        for (uint32_t x = 0; x < c->width; x++) {
+            const uint32_t index = c->index + y * RASTER_TILE_WIDTH + x;
+            struct raster_surface mean = o->t->surface[index];
+            if (!is_wanted(o, &mean) || is_gathered(o, first, raster_slot_of(&mean)))
+                continue;
+            gather_sample(o, k, o->mean ? cell_mean(&mean, o, c, x, y) : index, &mean, stats);
+            if (o->t->batch.count == 1) /* the batch was flushed: what it held has its colour, and no slot */
+                first = 0;
+        }
+}
+
+static void gather_cells(struct shading *o, struct raster_block *k, uint32_t width, uint32_t height,
+                         struct raster_stats *stats)
+{
+    const unsigned shift = o->r->sample_shift;
+    const uint32_t right = (k->x + width) << shift, below = (k->y + height) << shift;
+    for (uint32_t y = k->y << shift; y < below; y += 1u << o->cell_y)
+        for (uint32_t x = k->x << shift; x < right; x += 1u << o->cell_x) {
+            const uint32_t columns = 1u << o->cell_x, rows = 1u << o->cell_y;
+            const struct cell c = {.index = y * RASTER_TILE_WIDTH + x,
+                                   .width = right - x < columns ? right - x : columns,
+                                   .height = below - y < rows ? below - y : rows};
+            if (!cell_is_whole(o, &c)) {
+                gather_mixed(o, k, &c, stats);
+            } else if (is_wanted(o, &o->t->surface[c.index])) {
+                struct raster_surface mean = o->t->surface[c.index];
+                gather_sample(o, k, o->mean ? cell_corners(&mean, o, &c) : c.index, &mean, stats);
+            }
+        }
+}
+
+static void shade_block(struct shading *o, uint32_t x, uint32_t y, unsigned shift, bool exact,
+                        struct raster_stats *stats)
+{
+    const uint32_t edge = 1u << shift, right = o->width - x, below = o->height - y;
+    const uint32_t width = right < edge ? right : edge, height = below < edge ? below : edge;
+    struct raster_block k;
+    raster_block_setup(&k, o->r, o->x0, o->y0, x, y, shift, exact);
+    if (o->cell_x | o->cell_y | o->r->sample_shift)
+        gather_cells(o, &k, width, height, stats);
+    else
+        for (uint32_t i = 0; i < height; i++)
+            gather_row(o, &k, i, width, stats);
+    flush(o, &k, stats);
+}
+
+/* A region, in smaller blocks where planes do not hold: in Z order, each as large as its place allows and no smaller than a cell. */
+static void shade_region(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
+{
+    const unsigned cell = (o->cell_x > o->cell_y ? o->cell_x : o->cell_y),
+                   least = cell > o->r->sample_shift ? cell - o->r->sample_shift : 0,
+                   most = o->r->block_shift > least ? o->r->block_shift : least;
+    unsigned shift;
     for (uint32_t z = 0; z < 1u << 2 * RASTER_BLOCK_SHIFT; z += 1u << 2 * shift) {
         uint32_t x = x0, y = y0;
+        bool exact = true;
         for (unsigned i = 0; i < RASTER_BLOCK_SHIFT; i++) {
             x += (z >> 2 * i & 1) << i;
             y += (z >> (2 * i + 1) & 1) << i;
         }
-        shift = o->r->block_shift;
+        shift = most;
         while (z & ((1u << 2 * shift) - 1))
             shift--;
         if (x >= o->width || y >= o->height)
             continue;
-        while (shift > 0 && !raster_block_regular(o->r, o->x0 + x, o->y0 + y, shift))
-            shift--;
-        shade_block(o, x, y, shift, stats);
+        for (; shift > 0; shift--) {
+            exact = shift > o->r->block_shift || !raster_block_regular(o->r, o->x0 + x, o->y0 + y, shift);
+            if (!exact || shift == least)
+                break;
+        }
+        shade_block(o, x, y, shift, exact, stats);
     }
 }
 
-/* Whether some slot of the tile is for blocks; and its point lights. */
-static bool prepare_blocks(const struct output *o, const struct raster_rect *rect)
+/* Every meshlet of the region by its frame's z axis, which is about its mean normal, at its first sample in the tile. */
+static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
 {
-    bool any = false;
-    for (uint32_t i = 1; i <= o->t->slot_count; i++)
-        any |= !o->r->in_rows[o->t->slots[i].material];
-    if (any && o->r->frame.light_count > o->r->directional)
-        raster_cull_lights(o->r, o->t, rect);
-    return any;
+    const struct raster_surface axis = {0, 0};
+    const unsigned shift = o->r->sample_shift;
+    const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
+                   below = o->height - y0 < edge ? o->height : y0 + edge;
+    uint32_t *flat = o->t->m.shading.flat;
+    struct raster_block k;
+    raster_block_setup(&k, o->r, o->x0, o->y0, x0, y0, RASTER_REGION_SHIFT, true);
+    for (int colour = 0; colour < 2; colour++) {
+        for (uint32_t y = y0 << shift; y < below << shift; y++)
+            for (uint32_t x = x0 << shift; x < right << shift; x++) {
+                const uint32_t index = y * RASTER_TILE_WIDTH + x;
+                struct raster_surface *s = &o->t->surface[index];
+                if (!is_wanted(o, s))
+                    continue;
+                if (colour) {
+                    raster_put_colour(s, flat[raster_slot_of(s)] & ~FLAT_KNOWN);
+                } else if (!flat[raster_slot_of(s)]) {
+                    flat[raster_slot_of(s)] = FLAT_KNOWN; /* soon */
+                    gather_sample(o, &k, index, &axis, stats);
+                }
+            }
+        flush(o, &k, stats);
+    }
 }
 
-static void shade_blocks(const struct output *o, const struct raster_rect *rect, struct raster_stats *stats)
+/* The cells of a material's rate, in samples. */
+static void choose_cells(struct shading *o, enum raster_rate rate)
 {
-    if (!prepare_blocks(o, rect))
+    static const uint8_t shift[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
+    const uint8_t sample_shift = o->r->sample_shift;
+    o->flat = rate == RASTER_RATE_FLAT;
+    o->mean = rate != RASTER_RATE_1X1;
+    o->cell_x = o->cell_y = 0;
+    /* Before the last meshlet is drawn, every sample is shaded by itself: which of a pixel's is seen may change. */
+    if (o->flat || (rate == RASTER_RATE_1X1 && o->t->node))
         return;
-    for (uint32_t y = 0; y < o->height; y += 1u << RASTER_BLOCK_SHIFT)
-        for (uint32_t x = 0; x < o->width; x += 1u << RASTER_BLOCK_SHIFT)
-            if (block_occupied(o, x, y))
-                shade_largest(o, x, y, stats);
+    o->cell_x = (uint8_t)(shift[rate][0] + sample_shift);
+    o->cell_y = (uint8_t)(shift[rate][1] + sample_shift);
 }
 
-/* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
-static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t x, uint32_t y, uint32_t count,
-                                 struct raster_stats *stats)
+/* Of the region's first surface that waits for blocks. */
+static uint32_t find_material(const struct shading *o, uint32_t x0, uint32_t y0)
 {
-    struct raster_batch *b = &o->t->batch;
-    const struct raster_slot *info = &o->t->slots[slot];
-    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
-    if (raster_is_diffuse(&o->r->frame.materials[info->material]))
-        raster_shade_diffuse(b, o->r, info, s, count);
-    else
-        raster_shade_blinn_phong_run(b, o->r, info, s, o->x0 + x, o->y0 + y, count);
-    raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
-    stats->shaded += count * o->r->frame.light_count;
-    return b->radiance[0];
+    const unsigned shift = o->r->sample_shift;
+    const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
+                   below = o->height - y0 < edge ? o->height : y0 + edge;
+    for (uint32_t y = y0 << shift; y < below << shift; y++) {
+        const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+        for (uint32_t x = x0 << shift; x < right << shift; x++)
+            if (raster_slot_of(&row[x]) && !waits_for_rows(o, o->t->slots[raster_slot_of(&row[x])].material))
+                return o->t->slots[raster_slot_of(&row[x])].material;
+    }
+    return NO_MATERIAL;
 }
 
-/* How many pixels from x on have its slot. */
-static uint32_t run_length(const struct output *o, uint32_t x, uint32_t y)
+void raster_tile_shade(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, uint32_t region,
+                       const struct raster_quality *q, struct raster_stats *stats)
 {
-    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-    uint32_t slot = slot_of(&row[x]), end = x + 1;
-    while (end < o->width && slot_of(&row[end]) == slot)
-        end++;
-    return end - x;
+    const uint32_t columns = RASTER_REGIONS(rect->width), x = region % columns << RASTER_REGION_SHIFT,
+                   y = region / columns << RASTER_REGION_SHIFT;
+    struct shading o = {.r = r,
+                        .t = t,
+                        .x0 = rect->x,
+                        .y0 = rect->y,
+                        .width = rect->width,
+                        .height = rect->height,
+                        .quality = q,
+                        .format = raster_value_format(r)};
+    t->batch.count = 0;
+    for (o.other = find_material(&o, x, y); o.other != NO_MATERIAL;) {
+        o.material = o.other;
+        o.other = NO_MATERIAL;
+        t->batch.material = o.material;
+        choose_cells(&o, q->rate[o.material]);
+        if (o.flat)
+            shade_flat(&o, x, y, stats);
+        else
+            shade_region(&o, x, y, stats);
+    }
 }
 
-/* Pixels without a slot from x on: background, or shaded before. Returns where they end. */
-static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
+void raster_shade_regions(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats)
 {
-    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-    const uint32_t width = o->width;
-    for (; x < width && row[x].depth_slot && !slot_of(&row[x]); x++, stats->covered++)
-        store_pixel(o, y * width + x, row[x].normal);
-    if (o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
-        for (; x < width && !row[x].depth_slot; x++)
-            *out++ = (uint16_t)background;
-    } else {
-        for (; x < width && !row[x].depth_slot; x++)
-            store_pixel(o, y * width + x, background);
-    }
-    return x;
-}
-
-static void finish_rows(const struct output *o, struct raster_stats *stats)
-{
-    const uint32_t background = raster_background(&o->r->frame, o->format);
-    o->t->batch.diffuse_material = 0;
-    for (uint32_t y = 0; y < o->height; y++) {
-        const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-        for (uint32_t x = 0; x < o->width;) {
-            if (!slot_of(&row[x])) {
-                x = plain_run(o, background, x, y, stats);
-                continue;
-            }
-            uint32_t count = run_length(o, x, y);
-            stats->covered += count;
-            put_run(o, x, y, shade_run(o, slot_of(&row[x]), x, y, count, stats), count);
-            x += count;
-        }
-    }
-}
-
-/* Four sums of bytes fit ten bits each. */
-static inline uint32_t spread(uint32_t bgr)
-{
-    return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
-}
-
-/* The mean of each pixel's four samples. */
-static void finish_samples(const struct output *o, struct raster_stats *stats)
-{
-    const uint32_t background = raster_background(&o->r->frame, RASTER_RGB888);
-    for (uint32_t y = 0; y < o->height; y++)
-        for (uint32_t x = 0; x < o->width; x++) {
-            const struct raster_surface *s = &o->t->surface[2 * y * RASTER_TILE_WIDTH + 2 * x];
-            uint32_t sum = 0x00200802u, covered = 0; /* 2 in each, to round */
-            for (int i = 0; i < 4; i++) {
-                const struct raster_surface *sample = s + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
-                sum += spread(sample->depth_slot ? sample->normal : background);
-                covered |= sample->depth_slot;
-            }
-            stats->covered += covered != 0;
-            uint32_t bgr = (sum >> 2 & 0xff) | (sum >> 4 & 0xff00) | (sum >> 6 & 0xff0000);
-            store_pixel(o, y * o->width + x, raster_pack(bgr, o->r->frame.format));
-        }
-}
-
-static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
-                                 bool whole_pixels)
-{
-    return (struct output){.r = r,
-                           .t = t,
-                           .width = rect->width,
-                           .height = rect->height,
-                           .x0 = rect->x,
-                           .y0 = rect->y,
-                           .format = r->sample_shift ? RASTER_RGB888 : r->frame.format,
-                           .whole_pixels = whole_pixels};
+    static const struct raster_quality full = {.lights = RASTER_ALL_LIGHTS};
+    bool any = false;
+    for (uint32_t i = 1; i <= t->slot_count; i++)
+        any |= !r->in_rows[t->slots[i].material];
+    if (!any)
+        return;
+    raster_find_lights(r, t, rect);
+    for (uint32_t i = 0; i < RASTER_REGIONS(rect->width) * RASTER_REGIONS(rect->height); i++)
+        raster_tile_shade(r, t, rect, i, &full, stats);
 }
 
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect, true);
-    shade_blocks(&o, rect, stats);
-    if (r->sample_shift)
-        finish_samples(&o, stats);
-    else
-        finish_rows(&o, stats);
-}
-
-void raster_shade_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
-                          struct raster_stats *stats)
-{
-    const struct output o = make_output(r, t, rect, false);
-    shade_blocks(&o, rect, stats);
-    t->batch.diffuse_material = 0;
-    for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
-        for (uint32_t x = 0; x < o.width;) {
-            const uint32_t index = y * RASTER_TILE_WIDTH + x, slot = slot_of(&t->surface[index]);
-            const uint32_t count = slot ? run_length(&o, x, y) : 1;
-            if (slot) {
-                const uint32_t *value = shade_run(&o, slot, x, y, count, stats);
-                for (uint32_t i = 0; i < count; i++)
-                    put_colour(&t->surface[index + i], value[i]);
-            }
-            x += count;
-        }
+    raster_shade_regions(r, t, rect, stats);
+    raster_tile_finish(r, t, rect, stats);
 }

@@ -2,6 +2,7 @@
  * One tile: transform and draw its meshlets, then shade what is visible.
  */
 #include "internal.h"
+#include "quality.h"
 
 static void clear_surface(struct raster_tile *t)
 {
@@ -88,8 +89,8 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     }
 }
 
-void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
-                        struct raster_stats *stats)
+void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_tile *t, struct raster_rect *rect,
+                       struct raster_stats *stats)
 {
     /* In samples; even with 4 of them per pixel, as the tile's size is. */
     uint32_t x = index % r->tiles_x * RASTER_TILE_WIDTH, y = index / r->tiles_x * RASTER_TILE_HEIGHT;
@@ -98,22 +99,32 @@ void raster_render_tile(const struct raster *r, uint32_t index, struct raster_ti
                                  (uint16_t)((right < RASTER_TILE_WIDTH ? right : RASTER_TILE_WIDTH) >> shift),
                                  (uint16_t)((below < RASTER_TILE_HEIGHT ? below : RASTER_TILE_HEIGHT) >> shift)};
     *stats = (struct raster_stats){0};
-    clear_surface(work);
-    /* The picture's centre from the tile's corner in 1/512 px, plus one to round to nearest. */
-    int32_t centre_x2 = r->width * 256 - (int32_t)x * 512 + 1;
-    int32_t centre_y2 = r->height * 256 - (int32_t)y * 512 + 1;
-    uint32_t slot = 0;
-    for (uint32_t node = r->heads[index]; node;) {
-        const struct raster_node *n = r->nodes - node;
-        if (slot == RASTER_SLOTS - 1) { /* all slots taken: shade what is visible so far and go on */
-            work->slot_count = slot;
-            raster_shade_samples(r, work, rect, stats);
-            slot = 0;
-        }
-        draw_meshlet(r, work, &r->visible[n->visible], ++slot, centre_x2, centre_y2, stats);
-        stats->meshlets++;
-        node = n->next;
+    clear_surface(t);
+    t->centre_x2 = r->width * 256 - (int32_t)x * 512 + 1;
+    t->centre_y2 = r->height * 256 - (int32_t)y * 512 + 1;
+    t->node = r->heads[index];
+    t->slot_count = 0;
+}
+
+bool raster_tile_draw(const struct raster *r, struct raster_tile *t, struct raster_stats *stats)
+{
+    for (; t->node; stats->meshlets++) {
+        const struct raster_node *n = r->nodes - t->node;
+        if (t->slot_count == RASTER_SLOTS - 1)
+            return true;
+        draw_meshlet(r, t, &r->visible[n->visible], ++t->slot_count, t->centre_x2, t->centre_y2, stats);
+        t->node = n->next;
     }
-    work->slot_count = slot;
+    return false;
+}
+
+void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
+                        struct raster_stats *stats)
+{
+    raster_tile_begin(r, index, work, rect, stats);
+    while (raster_tile_draw(r, work, stats)) {
+        raster_shade_regions(r, work, rect, stats);
+        raster_tile_free_slots(r, work, rect, stats);
+    }
     raster_shade_tile(r, work, rect, stats);
 }

@@ -1,0 +1,170 @@
+/*
+ * The end of a tile: what waits for it is shaded in runs of a row, pixels are packed and stored from the surface's start on. A pixel takes
+ * 2 or 3 of the 8 bytes it had, so writing never overtakes reading.
+ */
+#include "internal.h"
+#include "quality.h"
+
+struct output {
+    const struct raster *r;
+    struct raster_tile *t;
+    uint32_t width, height; /* pixels */
+    uint32_t x0, y0;        /* the tile's first pixel */
+    uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
+};
+
+static inline void store_pixel(const struct output *o, uint32_t index, uint32_t value)
+{
+    if (o->r->frame.format == RASTER_RGB565) {
+        ((uint16_t *)o->t->surface)[index] = (uint16_t)value;
+    } else {
+        uint8_t *out = (uint8_t *)o->t->surface + 3 * index;
+        out[0] = (uint8_t)value;
+        out[1] = (uint8_t)(value >> 8);
+        out[2] = (uint8_t)(value >> 16);
+    }
+}
+
+/* A run of finished pixels. */
+static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
+{
+    if (o->r->frame.format == RASTER_RGB565) {
+        uint16_t *out = (uint16_t *)o->t->surface + y * o->width + x;
+        for (const uint32_t *end = values + count; values != end; values++)
+            *out++ = (uint16_t)*values;
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        store_pixel(o, y * o->width + x + i, values[i]);
+}
+
+/* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
+static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t x, uint32_t y, uint32_t count,
+                                 struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    const struct raster_slot *info = &o->t->slots[slot];
+    const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
+    if (raster_is_diffuse(&o->r->frame.materials[info->material]))
+        raster_shade_diffuse(b, o->r, info, s, count);
+    else
+        raster_shade_blinn_phong_run(b, o->r, info, s, o->x0 + x, o->y0 + y, count);
+    raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
+    stats->samples += count;
+    stats->tried += count * o->r->frame.light_count;
+    stats->shaded += count * o->r->frame.light_count;
+    return b->radiance[0];
+}
+
+/* How many pixels from x on have its slot. */
+static uint32_t run_length(const struct output *o, uint32_t x, uint32_t y)
+{
+    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+    uint32_t slot = raster_slot_of(&row[x]), end = x + 1;
+    while (end < o->width && raster_slot_of(&row[end]) == slot)
+        end++;
+    return end - x;
+}
+
+/* Pixels without a slot from x on: background, or shaded before. Returns where they end. */
+static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
+                          struct raster_stats *stats)
+{
+    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+    const uint32_t width = o->width;
+    for (; x < width && row[x].depth_slot && !raster_slot_of(&row[x]); x++, stats->covered++)
+        store_pixel(o, y * width + x, row[x].normal);
+    if (o->r->frame.format == RASTER_RGB565) {
+        uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
+        for (; x < width && !row[x].depth_slot; x++)
+            *out++ = (uint16_t)background;
+    } else {
+        for (; x < width && !row[x].depth_slot; x++)
+            store_pixel(o, y * width + x, background);
+    }
+    return x;
+}
+
+static void finish_rows(const struct output *o, struct raster_stats *stats)
+{
+    const uint32_t background = raster_background(&o->r->frame, o->format);
+    o->t->batch.diffuse_material = 0;
+    for (uint32_t y = 0; y < o->height; y++) {
+        const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
+        for (uint32_t x = 0; x < o->width;) {
+            if (!raster_slot_of(&row[x])) {
+                x = plain_run(o, background, x, y, stats);
+                continue;
+            }
+            uint32_t count = run_length(o, x, y);
+            stats->covered += count;
+            put_run(o, x, y, shade_run(o, raster_slot_of(&row[x]), x, y, count, stats), count);
+            x += count;
+        }
+    }
+}
+
+/* Four sums of bytes fit ten bits each. */
+static inline uint32_t spread(uint32_t bgr)
+{
+    return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
+}
+
+/* The mean of each pixel's four samples. */
+static void finish_samples(const struct output *o, struct raster_stats *stats)
+{
+    const uint32_t background = raster_background(&o->r->frame, RASTER_RGB888);
+    for (uint32_t y = 0; y < o->height; y++)
+        for (uint32_t x = 0; x < o->width; x++) {
+            const struct raster_surface *s = &o->t->surface[2 * y * RASTER_TILE_WIDTH + 2 * x];
+            uint32_t sum = 0x00200802u, covered = 0; /* 2 in each, to round */
+            for (int i = 0; i < 4; i++) {
+                const struct raster_surface *sample = s + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
+                sum += spread(sample->depth_slot ? sample->normal : background);
+                covered |= sample->depth_slot;
+            }
+            stats->covered += covered != 0;
+            uint32_t bgr = (sum >> 2 & 0xff) | (sum >> 4 & 0xff00) | (sum >> 6 & 0xff0000);
+            store_pixel(o, y * o->width + x, raster_pack(bgr, o->r->frame.format));
+        }
+}
+
+static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+{
+    return (struct output){.r = r,
+                           .t = t,
+                           .width = rect->width,
+                           .height = rect->height,
+                           .x0 = rect->x,
+                           .y0 = rect->y,
+                           .format = raster_value_format(r)};
+}
+
+void raster_tile_finish(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                        struct raster_stats *stats)
+{
+    const struct output o = make_output(r, t, rect);
+    if (r->sample_shift)
+        finish_samples(&o, stats);
+    else
+        finish_rows(&o, stats);
+}
+
+void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                            struct raster_stats *stats)
+{
+    const struct output o = make_output(r, t, rect);
+    t->batch.diffuse_material = 0;
+    for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
+        for (uint32_t x = 0; x < o.width;) {
+            struct raster_surface *s = &t->surface[y * RASTER_TILE_WIDTH + x];
+            const uint32_t slot = raster_slot_of(s), count = slot ? run_length(&o, x, y) : 1;
+            if (slot) {
+                const uint32_t *value = shade_run(&o, slot, x, y, count, stats);
+                for (uint32_t i = 0; i < count; i++)
+                    raster_put_colour(&s[i], value[i]);
+            }
+            x += count;
+        }
+    t->slot_count = 0;
+}

@@ -1,0 +1,112 @@
+/*
+ * What a drawn tile has to be shaded: counted by cells of 4 x 4 pixels, of which most show one meshlet.
+ */
+#include "internal.h"
+#include "quality.h"
+
+#define CELL_WORDS 16 /* with 4 samples per pixel */
+#define EACH_BYTE  0x01010101u
+
+_Static_assert(RASTER_SLOTS <= 128, "slots are told apart by seven bits");
+
+/* Removes a slot from words of four slots each; returns how many samples had it. */
+static uint32_t take_slot(uint32_t *word, uint32_t words, uint32_t slot)
+{
+    uint32_t others = 0;
+    for (uint32_t i = 0; i < words; i++) {
+        /* 128 in a byte that differs: sums of 7 bits */
+        const uint32_t differs = ((word[i] ^ slot * EACH_BYTE) + 127 * EACH_BYTE) & 128 * EACH_BYTE;
+        others += differs >> 7;
+        word[i] &= differs - (differs >> 7);
+    }
+    return 4 * words - (others * EACH_BYTE >> 24); /* <= 64 */
+}
+
+static inline void add_cell(struct raster_tile *t, uint32_t region, uint32_t slot, uint32_t samples)
+{
+    struct raster_area *area = &t->m.shading.survey.area[t->slots[slot].material][region];
+    area->pixels += (uint16_t)samples;
+    area->cells++;
+}
+
+static inline uint32_t four_slots(const struct raster_surface *s)
+{
+    uint32_t w = raster_slot_of(&s[3]);
+    w = w << 8 | raster_slot_of(&s[2]);
+    w = w << 8 | raster_slot_of(&s[1]);
+    return w << 8 | raster_slot_of(&s[0]);
+}
+
+/* Those of a cell, in words of four. */
+static void count_slots(struct raster_tile *t, uint32_t *word, uint32_t words, uint32_t region)
+{
+    for (uint32_t i = 0; i < words; i++)
+        while (word[i]) {
+            const uint32_t slot = word[i] >> (24 - (fx_clz(word[i]) & 24u));
+            add_cell(t, region, slot, take_slot(word + i, words - i, slot));
+        }
+}
+
+/* A cell of width x height samples that is cut or larger than four by four. */
+static void count_cell(struct raster_tile *t, const struct raster_surface *s, uint32_t width, uint32_t height,
+                       uint32_t region)
+{
+    uint32_t word[CELL_WORDS], words = 0;
+    for (uint32_t y = 0; y < height; y++, s += RASTER_TILE_WIDTH)
+        for (uint32_t x = 0; x < width; x += 4)
+            word[words++] = four_slots(s + x) & (width - x < 4 ? (1u << 8 * (width - x)) - 1 : UINT32_MAX);
+    count_slots(t, word, words, region);
+}
+
+/* One of four by four. */
+static void count_whole_cell(struct raster_tile *t, const struct raster_surface *s, uint32_t region)
+{
+    uint32_t word[4] = {four_slots(s), four_slots(s + RASTER_TILE_WIDTH), four_slots(s + 2 * RASTER_TILE_WIDTH),
+                        four_slots(s + 3 * RASTER_TILE_WIDTH)};
+    const uint32_t first = word[0];
+    if ((first ^ (first << 8 | first >> 24)) | (first ^ word[1]) | (first ^ word[2]) | (first ^ word[3]))
+        count_slots(t, word, 4, region);
+    else if (first)
+        add_cell(t, region, first & 255, 16);
+}
+
+static void count_cells(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+{
+    const uint32_t edge = 4u << r->sample_shift, columns = RASTER_REGIONS(rect->width);
+    const uint32_t right = (uint32_t)rect->width << r->sample_shift, below = (uint32_t)rect->height << r->sample_shift;
+    const unsigned region_shift = RASTER_REGION_SHIFT + r->sample_shift;
+    for (uint32_t y = 0; y < below; y += edge)
+        for (uint32_t x = 0; x < right; x += edge) {
+            const struct raster_surface *s = &t->surface[y * RASTER_TILE_WIDTH + x];
+            const uint32_t region = (y >> region_shift) * columns + (x >> region_shift);
+            const uint32_t width = right - x < edge ? right - x : edge, height = below - y < edge ? below - y : edge;
+            if (width == 4 && height == 4)
+                count_whole_cell(t, s, region);
+            else
+                count_cell(t, s, width, height, region);
+        }
+}
+
+const struct raster_survey *raster_tile_survey(const struct raster *r, struct raster_tile *t,
+                                               const struct raster_rect *rect)
+{
+    struct raster_survey *s = &t->m.shading.survey;
+    const uint32_t materials = r->frame.scene->header->materials.count;
+    bool any = false;
+    s->regions = RASTER_REGIONS(rect->width) * RASTER_REGIONS(rect->height);
+    s->slots = t->slot_count;
+    __builtin_memset(s->area, 0, materials * sizeof s->area[0]);
+    __builtin_memset(t->m.shading.flat, 0, sizeof t->m.shading.flat);
+    count_cells(r, t, rect);
+    for (uint32_t m = 0; m < materials; m++) {
+        struct raster_area *sum = &s->total[m];
+        *sum = (struct raster_area){0, 0};
+        for (uint32_t i = 0; i < s->regions; i++) {
+            sum->pixels += s->area[m][i].pixels;
+            sum->cells += s->area[m][i].cells;
+        }
+        any |= sum->pixels != 0;
+    }
+    s->point_lights = any ? raster_find_lights(r, t, rect) : 0;
+    return s;
+}
