@@ -31,7 +31,7 @@ static const char help[] =
     "\n"
     "Examples:\n"
     "  $ gtlut fit gold.csv --model ggx\n"
-    "  $ gtlut fit gold.ktx2 --model lafortune_phong --json\n";
+    "  $ gtlut fit gold.gtm --model lafortune_phong --json\n";
 
 static void print_material(const char *key, const struct fit *fit, const char *source)
 {
