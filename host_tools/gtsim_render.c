@@ -92,8 +92,11 @@ static void frame_by_firmware(struct sim_device *d, const struct render *r, uint
         return;
     if (!sim_device_request(d, USB_MSG_STATS, &want, sizeof want, &h, &s, sizeof s) || h.status != USB_OK)
         die(EXIT_INTERNAL, "the simulated device has no statistics");
-    const struct raster_stats sum = {
-        0, s.total.triangles, s.total.tested, s.total.covered, s.total.shaded, s.total.fetches};
+    const struct raster_stats sum = {.triangles = s.total.triangles,
+                                     .tested = s.total.tested,
+                                     .covered = s.total.covered,
+                                     .shaded = s.total.shaded,
+                                     .fetches = s.total.fetches};
     print_stats(s.tile_count, s.meshlets_visible, s.arena_used, &sum);
     printf(", ticks %u\n", s.total.ticks);
 }
