@@ -29,15 +29,23 @@ bool composite_recognise(const uint8_t *data, size_t bytes)
 }
 
 /* The slices out of the image, as texels. */
-static uint32_t *texels_of(const float *pixels, size_t columns, const struct import_options *o)
+static uint32_t *texels_of(const float *pixels, size_t columns, const struct import_options *o, const char *path)
 {
+    size_t negative = 0;
     uint32_t *texels = xmalloc((size_t)o->width * o->height * o->depth * sizeof *texels), *t = texels;
     for (size_t z = 0; z < o->depth; z++)
         for (size_t y = 0; y < o->height; y++) {
             const float *p = pixels + 3 * ((z / columns * o->height + y) * columns * o->width + z % columns * o->width);
-            for (size_t x = 0; x < o->width; x++, p += 3)
+            for (size_t x = 0; x < o->width; x++, p += 3) {
+                if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+                    die(EXIT_BAD_INPUT, "%s: node (%zu, %zu) of slice %zu is not finite; export the table again", path,
+                        x, y, z);
+                negative += p[0] < 0 || p[1] < 0 || p[2] < 0;
                 *t++ = rgb9e5_encode((double[3]){(double)p[0], (double)p[1], (double)p[2]});
+            }
         }
+    if (negative)
+        warn("%s: %zu nodes with negative values, set to 0", path, negative);
     return texels;
 }
 
@@ -56,7 +64,7 @@ void composite_load(struct measurement *out, const char *path, uint8_t *data, si
         columns * rows - o->depth >= columns)
         die(EXIT_BAD_INPUT, "%s: %d x %d pixels do not hold %u slices of %u x %u in full rows; correct --axes", path, w,
             h, o->depth, o->width, o->height);
-    uint32_t *texels = texels_of(pixels, columns, o);
+    uint32_t *texels = texels_of(pixels, columns, o, path);
     struct specular_frame_table table = {
         .texels = texels, .width = o->width, .height = o->height, .depth = o->depth, .theta_max = o->theta_max};
     struct brdf_source source;

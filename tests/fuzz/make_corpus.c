@@ -272,6 +272,10 @@ static void seed_measurements(void)
     measurement_write(&m, seed_path("import_gtm", "grid"));
     put(&merl, (const double[3]){3, -1, 500}, 24);
     seed("import_merl", "three_values", merl.data, merl.bytes);
+    /* 5 slices of 4 x 3 nodes in rows of 2, up to 60 degrees: see fuzz_import.c */
+    struct stream composite = {{0x76, 0x2f, 0x31, 0x01, 2, 1, 4, 1, 170}, 11};
+    put(&composite, (const float[5]){0, 0.25f, 3, 70000, 0.01f}, 20);
+    seed("import_composite", "five_slices", composite.data, composite.bytes);
     seed_text("import_csv", "grid",
               "theta_in,theta_out,phi_out,R,G,B\n0,0,0,1,2,3\n0,0,180,1,2,3\n0,30,0,1e-3,.5,3\n0,30,180,1,2,3\n");
     seed_text("import_csv", "cloud",
