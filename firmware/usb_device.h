@@ -3,7 +3,7 @@
  *
  * Purpose   answers endpoint 0 and keeps the device state; the protocol runs on the bulk endpoints.
  * Limits    one configuration, one alternate setting, no remote wake-up, no test modes (they need the controller); class
- *           requests are stalled, and vendor requests but the one for the Microsoft OS 2.0 descriptors.
+ *           requests are stalled, and vendor requests but the one for the Microsoft OS 2.0 descriptors. Suspend changes nothing here.
  * Errors    a request that is unknown, or not allowed in the device's state, stalls endpoint 0.
  */
 #ifndef FIRMWARE_USB_DEVICE_H

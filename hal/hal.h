@@ -26,6 +26,8 @@ enum hal_usb_event {
                        stalls */
     HAL_USB_DETACH, /* cable out */
     HAL_USB_SETUP   /* a SETUP packet arrived: the 8 bytes are in `setup` */
+    /* Suspend, 3 ms without any activity, is no event: all state stays, and goes on with the bus. To stay below what a suspended
+     * device may draw is the board's part: it may call app_poll less often, or not at all until the bus is active. */
 };
 
 struct hal {

@@ -147,5 +147,6 @@ int main(void)
     if (app_init(&app, &hal, &config) != APP_OK)
         return 1; /* [ ] a light, a message: the configuration does not fit the flash */
     for (;;)
+        /* [ ] While the bus is suspended a device that lives on it may draw 2.5 mA: sleep here until there is activity. */
         app_poll(&app); /* [ ] feed the watchdog here: one call takes at most one tile's time */
 }

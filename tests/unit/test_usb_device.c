@@ -364,7 +364,8 @@ static void unknown_requests_stall_and_the_next_one_is_served(void **state)
         {0xa0, 0, 0, 0, 0, 0, 2, 0},                                      /* class request with a standard number */
         {0x80, 6, 0, 0x22, 0, 0, 9, 0},                                   /* HID report */
         {0x00, 7, 0, 1, 0, 0, 18, 0},                                     /* SET_DESCRIPTOR, with data */
-        {0x00, 3, 1, 0, 0, 0, 0, 0},                                      /* remote wake-up */
+        {0x00, 3, 1, 0, 0, 0, 0, 0},                                      /* remote wake-up: not offered, so */
+        {0x00, 1, 1, 0, 0, 0, 0, 0},                                      /* neither set nor cleared (9.4.1, 9.4.9) */
         {0x00, 3, 2, 0, 0, 1, 0, 0},                                      /* test mode */
         {0x02, 3, 0, 0, 2, 0, 0, 0},                                      /* halt of an endpoint there is not */
         {0x02, 3, 1, 0, 1, 0, 0, 0},                                      /* other feature of an endpoint */
@@ -402,6 +403,56 @@ static void new_setup_replaces_an_unfinished_transfer(void **state)
     sim_device_destroy(d);
 }
 
+/* Suspend is a bus without any activity. Whatever was under way stays as it is, however long, and goes on (9.1.1.6): address,
+ * configuration, halts, an upload, half a message, half a control transfer. */
+static void suspend_at_any_moment_changes_nothing(void **state)
+{
+    static const uint8_t string[8] = {0x80, 6, 3, 3, 9, 4, 255, 0}, status[8] = {0x80, 0, 0, 0, 0, 0, 2, 0};
+    const struct usb_begin begin = {1, USB_SLOT_TABLE, 5000, 0x12345678};
+    const uint8_t message[4 + 100] = {0};
+    struct sim_device *d = fixture_device(true, true);
+    struct usb_header h;
+    struct usb_info info;
+    size_t bytes;
+    uint8_t data[256];
+    (void)state;
+    void *scene = fixture_scene(&bytes);
+    assert_true(sim_device_push(d, 0, USB_SLOT_SCENE, scene, (uint32_t)bytes, &h) && h.status == USB_OK);
+    assert_int_equal(control(d, 0x80, 0, 0, 0, 2, data), 2);
+    assert_int_equal(data[0], 0); /* bus powered, and nothing that would let it wake the host up */
+    assert_true(sim_device_request(d, USB_MSG_BEGIN, &begin, sizeof begin, &h, NULL, 0) && h.status == USB_OK);
+    assert_true(sim_device_request(d, USB_MSG_DATA, message, sizeof message, &h, NULL, 0) && h.status == USB_OK);
+    for (int moment = 0; moment < 4; moment++) {
+        assert_int_equal(control(d, 0x02, moment % 2 ? 3 : 1, 0, 0x81, 0, NULL), 0);
+        if (moment == 1) /* between SETUP and data */
+            sim_setup(d->board, string);
+        if (moment == 2) { /* between data and status */
+            sim_setup(d->board, status);
+            sim_device_poll(d);
+            assert_int_equal(sim_in(d->board, 0x80, data, 64), 2);
+        }
+        if (moment == 3) /* in the middle of a header */
+            assert_int_equal(sim_out(d->board, 1, "GT", 2), 2);
+        for (int i = 0; i < 5000; i++)
+            sim_device_poll(d);
+        if (moment == 1)
+            assert_int_equal(sim_in(d->board, 0x80, data, 64), 24);
+        assert_int_equal(sim_address(d->board), 1);
+        assert_int_equal(control(d, 0x80, 8, 0, 0, 1, data), 1);
+        assert_int_equal(data[0], 1);
+        assert_int_equal(control(d, 0x82, 0, 0, 0x81, 2, data), 2);
+        assert_int_equal(data[0], moment % 2);
+    }
+    assert_int_equal(d->app.protocol.filled, 2); /* still there; a host that opens the device drops it */
+    assert_int_equal(control(d, 0x02, 1, 0, 0x01, 0, NULL), 0);
+    assert_int_equal(control(d, 0x02, 1, 0, 0x81, 0, NULL), 0);
+    assert_true(sim_device_request(d, USB_MSG_INFO, NULL, 0, &h, &info, sizeof info) && h.status == USB_OK);
+    assert_int_equal(info.upload_slot, 1);
+    assert_int_equal(info.upload_received, 100);
+    free(scene);
+    sim_device_destroy(d);
+}
+
 static void unplugged_device_is_gone_and_comes_back(void **state)
 {
     struct sim_device *d = fixture_device(true, false);
@@ -434,6 +485,7 @@ int main(void)
         cmocka_unit_test(halt_is_set_reported_and_cleared),
         cmocka_unit_test(unknown_requests_stall_and_the_next_one_is_served),
         cmocka_unit_test(new_setup_replaces_an_unfinished_transfer),
+        cmocka_unit_test(suspend_at_any_moment_changes_nothing),
         cmocka_unit_test(unplugged_device_is_gone_and_comes_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
