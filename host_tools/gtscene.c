@@ -2,6 +2,7 @@
 #include "common.h"
 #include "goniotile_version.h"
 #include "gtscene_blob.h"
+#include "gtscene_envmap.h"
 #include "host_model.h"
 
 #include <getopt.h>
@@ -40,6 +41,12 @@ static void print_build_help(void)
            "      --no-lod            store the finest level only\n"
            "      --normal-error DEGREES  split meshlets until interpolated normals stray by less (0.4; 0.01 to 90):\n"
            "                          less is truer on coarsely curved meshes, more makes a smaller blob\n"
+           "      --envmap FILE       add the light of an environment map (equirectangular EXR or HDR; its centre\n"
+           "                          lies at +z, 90 degrees to the left of it +x) as directional lights\n"
+           "      --envmap-lights K   so many of them, 4 to 64 (16); each costs what any light costs\n"
+           "      --envmap-scale X    factor on the map's radiance, 1e-6 to 1e6 (1); a radiance of 1 from\n"
+           "                          everywhere shows white diffuse as display white\n"
+           "      --envmap-rotate DEGREES  turn the map about +y, its centre from +z towards +x, -360 to 360 (0)\n"
            "      --help              this text\n"
            "\n"
            "Models of materials: " MODEL_NAMES ".\n"
@@ -56,7 +63,8 @@ static void print_build_help(void)
     }
     puts("\nExamples:\n"
          "  $ gtscene build six_models.json -o six_models.blob\n"
-         "  $ gtscene build spot.json --data meshes --lod-error 1 -o spot.blob");
+         "  $ gtscene build spot.json --data meshes --lod-error 1 -o spot.blob\n"
+         "  $ gtscene build spot.json --data meshes --envmap studio.exr --envmap-lights 32 -o spot.blob");
 }
 
 static int run_build(int argc, char **argv)
@@ -66,9 +74,14 @@ static int run_build(int argc, char **argv)
                                             {"lod-error", required_argument, NULL, 'e'},
                                             {"no-lod", no_argument, NULL, 'n'},
                                             {"normal-error", required_argument, NULL, 'r'},
+                                            {"envmap", required_argument, NULL, 'E'},
+                                            {"envmap-lights", required_argument, NULL, 'K'},
+                                            {"envmap-scale", required_argument, NULL, 'S'},
+                                            {"envmap-rotate", required_argument, NULL, 'R'},
                                             {"help", no_argument, NULL, 'h'},
                                             {NULL, 0, NULL, 0}};
     const char *output = NULL, *data = NULL;
+    struct envmap_options envmap = {.lights = 16, .scale = 1};
     double lod_error = -1; /* as the scene file says */
     struct pack_options pack = {.with_levels = true, .normal_error = 0.4};
     for (int c; (c = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
@@ -86,6 +99,14 @@ static int run_build(int argc, char **argv)
             pack.with_levels = false;
         else if (c == 'r')
             pack.normal_error = parse_double("--normal-error", optarg, 0.01, 90);
+        else if (c == 'E')
+            envmap.path = optarg;
+        else if (c == 'K')
+            envmap.lights = (unsigned)parse_long("--envmap-lights", optarg, ENVMAP_MIN_LIGHTS, ENVMAP_MAX_LIGHTS);
+        else if (c == 'S')
+            envmap.scale = parse_double("--envmap-scale", optarg, 1e-6, 1e6);
+        else if (c == 'R')
+            envmap.degrees = parse_double("--envmap-rotate", optarg, -360, 360);
         else
             return EXIT_USAGE;
     }
@@ -97,6 +118,8 @@ static int run_build(int argc, char **argv)
     struct scene_desc desc;
     size_t bytes;
     desc_load(&desc, argv[optind], data);
+    if (envmap.path)
+        envmap_add(&desc, &envmap);
     if (lod_error >= 0)
         desc.lod_error = (uq16_16_t)lrint(lod_error * 65536);
     void *blob = blob_build(&bytes, &desc, &pack);

@@ -175,7 +175,9 @@ void blob_print(const struct scene *s)
             printf("light     %3u point at %g, %g, %g, ends at %g\n", i, l->position[0] / 65536.0,
                    l->position[1] / 65536.0, l->position[2] / 65536.0, l->radius / 65536.0);
         else
-            printf("light     %3u directional\n", i);
+            printf("light     %3u directional from %.4f, %.4f, %.4f, irradiance %.4f, %.4f, %.4f\n", i,
+                   ldexp(l->direction[0], -30), ldexp(l->direction[1], -30), ldexp(l->direction[2], -30),
+                   l->irradiance[0] / 65536.0, l->irradiance[1] / 65536.0, l->irradiance[2] / 65536.0);
     }
     for (uint32_t i = 0; i < h->materials.count; i++)
         printf("material   %2u %-15s slot %2u %s\n", i, s->materials[i].name, s->materials[i].slot,

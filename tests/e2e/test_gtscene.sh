@@ -92,7 +92,7 @@ ok "a point light builds: power over 4 pi, radius" eval 'build "$point" && info_
     [ "$(bytes 0 0 32)" = "1 65536 4294803456 196608 312911 312911 312911 491520" ]'
 ok "a point light of three powers builds" eval 'build "$point; s/\"power\": 60/\"power\": [0, 60, 800000]/" &&
     [ "$(bytes 0 16 12)" = "0 312911 4172151340" ]'
-ok "a light may say that it is directional" eval 'build "s/\"direction\"/\"type\": \"directional\", \"direction\"/" && info_has "^light +0 directional$"'
+ok "a light may say that it is directional" eval 'build "s/\"direction\"/\"type\": \"directional\", \"direction\"/" && info_has "^light +0 directional from 0.0000, 0.7071, 0.7071, irradiance 1.0000, 1.0000, 1.0000$"'
 many() { scene "/\"lights\"/s/(\{.*\})/$(printf '\\1,%.0s' {1..127})\1/" && "$G" build "$T/s.json" -o "$T/good.blob"; }
 ok "128 lights build" eval 'many && info_has "^lights +128 "'
 ok "a metallic-roughness material builds" eval 'build "$metal" && info_has "slot  0 metallic_roughness$" &&

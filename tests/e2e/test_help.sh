@@ -34,6 +34,7 @@ check every_program_and_command_explains_itself_with_examples explain_themselves
 mkdir "$work/user" && ln -s "$PWD"/host_tools/scenes/*.json "$work/user"
 if [ -d "$DATA" ]; then
     ln -s "$DATA/meshes" "$work/user/meshes"
+    ln -s "$DATA/envmaps/studio_256.exr" "$work/user/studio.exr"
     ln -s "$DATA/brdf/cc_ibiza_sunset_rgb.bsdf" "$work/user/blue.bsdf"
     ln -s "$DATA/brdf/merl_sgd.csv" "$work/user/merl_sgd.csv"
 fi
