@@ -15,7 +15,7 @@
 #include "lab.h"
 #include "ref_table.h"
 
-enum { MAX_HEIGHT = 146, FAULTS = 6, TILES = 4 };
+enum { MAX_HEIGHT = 146, FAULTS = 9, TILES = 4 };
 
 static uint64_t seed = 1;
 
@@ -48,8 +48,9 @@ struct account {
 
 static struct lab *lab;
 static struct account account;
-static unsigned resumed;              /* pushes, after a loss of power */
-static struct table slots[LAB_SLOTS]; /* what is live in the table slots */
+static unsigned resumed;                                       /* pushes, after a loss of power */
+static enum { INTACT, DATA_WRONG, HEADER_WRONG } next_message; /* one bit of it, on its way */
+static struct table slots[LAB_SLOTS];                          /* what is live in the table slots */
 
 static bool holds(uint32_t slot, const struct table *t)
 {
@@ -90,11 +91,19 @@ static bool ask(uint8_t type, const void *payload, uint32_t bytes, void *into, s
     memcpy(message, &h, sizeof h);
     if (bytes)
         memcpy(message + sizeof h, payload, bytes);
+    bool lost = next_message == HEADER_WRONG; /* who asked cannot be told from it */
+    if (next_message == DATA_WRONG)
+        message[sizeof h + 4 + random32() % (bytes - 4)] ^= (uint8_t)(1 << random32() % 8);
+    else if (next_message == HEADER_WRONG)
+        message[random32() % 3] ^= (uint8_t)(1 << random32() % 8); /* magic or version */
+    next_message = INTACT;
     int n = 0, total = (int)(sizeof h + bytes);
     for (int sent = 0; sent<total; sent += n> 0 ? n : 0) {
         n = sim_out(d->board, USB_ENDPOINT_OUT, message + sent, (size_t)(total - sent));
-        if (n < 0 && n != SIM_NAK)
+        if (n < 0 && n != SIM_NAK) {
+            assert_true(n != SIM_STALL || lost);
             return false;
+        }
         account_steps(random32() % 3);
     }
     size_t got = 0;
@@ -111,7 +120,7 @@ static bool ask(uint8_t type, const void *payload, uint32_t bytes, void *into, s
                    (size_t)n - skip < most - place ? (size_t)n - skip : most - place);
         got += (size_t)n;
     } while (n == (int)sizeof packet);
-    assert_int_equal(h.sequence, sequence);
+    assert_true(lost || h.sequence == sequence);
     return h.status == USB_OK;
 }
 
@@ -168,6 +177,25 @@ static void push_with_fault(uint32_t slot, struct table *t, unsigned fault)
         assert_int_equal(info.upload_found, crc32(0, t->data, part));
         assert_true(send_part(slot, t, part, (uint32_t)t->bytes) && commit());
         done = true;
+        break;
+    case 6: /* a bit of the data is wrong: it is sent again */
+    case 7: /* a bit of the header is: the endpoint stalls, the halts are cleared and the push goes on */
+        part = 1 + part % (uint32_t)(t->bytes - 1);
+        assert_true(send_part(slot, t, 0, part));
+        next_message = fault == 6 ? DATA_WRONG : HEADER_WRONG;
+        assert_false(send_part(slot, t, part, (uint32_t)t->bytes));
+        for (unsigned endpoint = 0x01; fault == 7 && endpoint <= 0x81; endpoint += 0x80)
+            assert_int_equal(
+                sim_device_control(lab->device, (const uint8_t[8]){0x02, 1, 0, 0, (uint8_t)endpoint}, NULL), 0);
+        assert_true(ask(USB_MSG_INFO, NULL, 0, &info, sizeof info));
+        assert_int_equal(info.upload_received, part);
+        assert_true(send_part(slot, t, part, (uint32_t)t->bytes) && commit());
+        done = true;
+        break;
+    case 8: /* the flash fails for a while */
+        sim_fail_flash_after(lab->device->board, random32() % 50);
+        done = send_part(slot, t, 0, (uint32_t)t->bytes) && commit();
+        sim_fail_flash_after(lab->device->board, -1);
         break;
     case 3: /* it is given up */
         assert_true(send_part(slot, t, 0, part));
