@@ -1,6 +1,6 @@
 /*
- * usbfs in user space. The child's ioctls on a device node arrive as signals; the firmware runs inside their handlers, as far as a
- * transfer needs it.
+ * usbfs in user space. The child's ioctls on a device node arrive as signals, on a thread of umockdev; the firmware runs inside their
+ * handlers, as far as a transfer needs it.
  */
 #define _GNU_SOURCE
 #include "gtsim_bus.h"
@@ -50,11 +50,12 @@ struct port {
 struct bus {
     const struct bus_options *options;
     UMockdevTestbed *testbed;
+    GMutex lock; /* of everything in `ports`: ioctls come on another thread than timeouts */
     struct port ports[BUS_MAX_DEVICES];
     GMainLoop *loop;
     const struct bus_host *host; /* in this process, or NULL */
     GPid child;                  /* 0: none */
-    bool closed;                 /* by the host */
+    bool stepping, closed;       /* in a step of the host; it asked to end */
     int exit_code;
 };
 
@@ -114,7 +115,9 @@ static char *hex(const uint8_t *bytes, int count)
 static void port_plug(struct port *p)
 {
     GError *e = NULL;
+    g_mutex_lock(&p->bus->lock);
     p->descriptor_bytes = sim_device_enumerate(p->device, p->descriptors);
+    g_mutex_unlock(&p->bus->lock);
     if (p->descriptor_bytes < 0)
         die(EXIT_INTERNAL, "device %d: enumeration failed (%d)", p->number, p->descriptor_bytes);
     char *node = device_node(p), *descriptors = hex(p->descriptors, p->descriptor_bytes);
@@ -435,9 +438,11 @@ static gboolean on_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client
 {
     struct port *p = port;
     (void)handler;
+    g_mutex_lock(&p->bus->lock);
     p->used = true;
     p->asked = g_get_monotonic_time();
     int result = serve(p, client, umockdev_ioctl_client_get_request(client), umockdev_ioctl_client_get_arg(client));
+    g_mutex_unlock(&p->bus->lock);
     umockdev_ioctl_client_complete(client, result < 0 ? -1 : result, result < 0 ? -result : 0);
     return TRUE;
 }
@@ -492,13 +497,17 @@ static gboolean on_step(gpointer bus)
 {
     struct bus *b = bus;
     struct port *p = &b->ports[0];
-    bool used = p->used;
-    if (!port_free(p))
+    g_mutex_lock(&b->lock);
+    if (port_free(p)) {
+        bool used = p->used;
+        p->used = false;
+        b->stepping = true;
+        b->closed = !b->host->step(b->host->ctx, used);
+        b->stepping = false;
+    }
+    g_mutex_unlock(&b->lock);
+    if (!b->closed)
         return G_SOURCE_CONTINUE;
-    p->used = false;
-    if (b->host->step(b->host->ctx, used))
-        return G_SOURCE_CONTINUE;
-    b->closed = true;
     if (!b->child)
         return bus_end(b, EXIT_OK);
     kill(b->child, SIGHUP);
@@ -546,18 +555,23 @@ static void on_log(const gchar *domain, GLogLevelFlags level, const gchar *messa
 }
 
 /* The mocked /sys and /dev are a folder, removed with the testbed, also when the program dies. */
-static UMockdevTestbed *testbed_left;
+static struct bus *living;
 
 static void testbed_remove(void)
 {
-    g_clear_object(&testbed_left);
+    if (!living)
+        return;
+    if (living->stepping)
+        g_mutex_unlock(&living->lock); /* the thread of the ioctls is waited for */
+    g_object_unref(living->testbed);
 }
 
 struct bus *bus_create(const struct bus_options *o)
 {
     struct bus *b = xcalloc(1, sizeof *b);
     b->options = o;
-    b->testbed = testbed_left = umockdev_testbed_new();
+    b->testbed = umockdev_testbed_new();
+    living = b;
     atexit(testbed_remove);
     /* The root hub. */
     testbed_add(
@@ -596,6 +610,8 @@ int bus_run(struct bus *b, char **command, const struct bus_host *host)
             die(EXIT_FILE, "%s: the flash cannot be written; is its folder writable?", b->options->board.flash_file);
     }
     int code = b->exit_code;
+    living = NULL;
+    g_object_unref(b->testbed);
     g_main_loop_unref(b->loop);
     free(b);
     return code;

@@ -25,6 +25,7 @@ struct tile_costs {
 
 /* zoom 0: the largest at which the window takes three quarters of the screen. Dies with EXIT_INTERNAL when there is no screen. */
 void screen_open(struct screen *w, int width, int height, int zoom);
+/* Once more does nothing. */
 void screen_close(struct screen *w);
 
 /* rgb: width * height * 3 bytes. `stale`: darker, since it is not what the device would show. costs: NULL for no overlay. */

@@ -146,6 +146,8 @@ void view_orbit(struct view *v, double around, double up)
     pivot_find(v, &e);
     double pitch = asin(fmax(-1, fmin(1, e.row[2][1])));
     double raise = fmax(-MAX_PITCH, fmin(MAX_PITCH, pitch + up * DEGREE)) - pitch;
+    if (fabs(raise) + fabs(around) < 1e-6)
+        return; /* at the pole already */
     memcpy(right, e.row[0], sizeof right);
     for (int i = 0; i < 3; i++)
         from[i] = e.at[i] - v->pivot[i];

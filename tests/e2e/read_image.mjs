@@ -1,5 +1,5 @@
-// Prints pixels of an RGB image written by gtlut export: one line "R G B" per "x,y" argument after the file's name. Reads just
-// what is written: PNG of 8 bits, and EXR of zip-compressed 32-bit floats.
+// Prints pixels of an RGB image: one line "R G B" per "x,y" argument after the file's name, or all of "x,y,step,width,height". Reads just
+// what the tools write, PNG of 8 bits and EXR of zip-compressed 32-bit floats, and the screen file of Xvfb -fbdir, XWD.
 import { readFileSync } from 'node:fs';
 import { inflateSync } from 'node:zlib';
 
@@ -42,6 +42,16 @@ function readExr(b) {
     return (x, y) => [2, 1, 0].map((c) => rows[y].readFloatLE(4 * (c * width + x))); // planes are B, G, R
 }
 
+function readXwd(b) {
+    const at = b.readUInt32BE(0) + 12 * b.readUInt32BE(76), stride = b.readUInt32BE(48); // behind header and colour table: 32 bits, B first
+    return (x, y) => [2, 1, 0].map((c) => b[at + y * stride + 4 * x + c]);
+}
+
 const [file, ...points] = process.argv.slice(2), bytes = readFileSync(file);
-const pixel = bytes[0] === 0x89 ? readPng(bytes) : readExr(bytes);
-for (const point of points) console.log(pixel(...point.split(',').map(Number)).join(' '));
+const pixel = bytes[0] === 0x89 ? readPng(bytes) : bytes[7] === 7 ? readXwd(bytes) : readExr(bytes); // XWD is of version 7
+for (const point of points) {
+    const [x0, y0, step = 1, width = 1, height = 1] = point.split(',').map(Number), lines = [];
+    for (let y = 0; y < height; y++)
+        for (let x = 0; x < width; x++) lines.push(pixel(x0 + Math.floor(x * step), y0 + Math.floor(y * step)).join(' '));
+    console.log(lines.join('\n'));
+}
