@@ -205,12 +205,17 @@ void raster_shade_regions(const struct raster *r, struct raster_tile *t, const s
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats);
 
+/* quality.c: log2 of the edges of a rate's cells, pixels. */
+extern const uint8_t raster_cell_shift[5][2];
+
 /* light.c: bytes of arena for lights and lobes, and filling them; the largest shading block's edge is 2^shift pixels. */
 size_t raster_light_bytes(const struct raster_frame *f);
 void raster_light_setup(struct raster *r);
 uint8_t raster_block_shift(const struct raster_view *v);
-/* Finds the lights that may reach a surface of the tile, which has some. Returns how many point lights they are. */
-uint32_t raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
+/* Finds the lights that may reach a surface of the tile, which has some. */
+void raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
+/* Chooses the `count` of them that may be strongest, of equals the first ones. The tile's batch is empty. */
+void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count);
 
 /* Blinn-Phong's and metallic-roughness' ambient light, which follows all others, and the former's clamp. */
 void raster_finish_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);

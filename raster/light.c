@@ -96,16 +96,9 @@ void raster_lobe_setup(struct raster_lobe *l, uint32_t m)
     }
 }
 
-uint32_t raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+static void find_box(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
 {
-    uint32_t nearest = 0, farthest = UINT32_MAX, found = 0;
-    struct raster_light_box box;
-    for (uint32_t i = 0; i < SCENE_MAX_LIGHTS / 32; i++) {
-        const uint32_t directional = r->directional > 32 * i ? r->directional - 32 * i : 0;
-        t->light_reaches[i] = directional < 32 ? (1u << directional) - 1 : UINT32_MAX;
-    }
-    if (r->directional == r->frame.light_count)
-        return 0;
+    uint32_t nearest = 0, farthest = UINT32_MAX;
     for (const struct raster_surface *s = t->surface; s != t->surface + RASTER_TILE_PIXELS; s++) {
         uint32_t depth = s->depth_slot >> 8;
         if (depth) {
@@ -113,13 +106,57 @@ uint32_t raster_find_lights(const struct raster *r, struct raster_tile *t, const
             farthest = depth < farthest ? depth : farthest;
         }
     }
-    raster_light_box_setup(&box, r, rect, nearest, farthest);
-    for (uint32_t i = r->directional; i < r->frame.light_count; i++)
-        if (raster_light_box_reached(&box, &r->lights[i].v, r->lights[i].radius)) {
+    raster_light_box_setup(&t->m.shading.box, r, rect, nearest, farthest);
+}
+
+void raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+{
+    for (uint32_t i = 0; i < SCENE_MAX_LIGHTS / 32; i++)
+        t->light_reaches[i] = 0;
+    if (r->directional < r->frame.light_count)
+        find_box(r, t, rect);
+    t->light_count = 0;
+    for (uint32_t i = 0; i < r->frame.light_count; i++)
+        if (i < r->directional || raster_light_box_reached(&t->m.shading.box, &r->lights[i].v, r->lights[i].radius)) {
             t->light_reaches[i / 32] |= 1u << i % 32;
-            found++;
+            t->light_count++;
         }
-    return found;
+    t->chosen_count = UINT32_MAX;
+}
+
+/* No surface of the tile gets more of it, in any colour. */
+static uint32_t light_strength(const struct raster *r, const struct raster_tile *t, uint32_t index)
+{
+    const struct raster_light *l = &r->lights[index];
+    uint32_t most = 0;
+    for (int k = 0; k < 3; k++)
+        most = l->irradiance[k] > most ? l->irradiance[k] : most;
+    if (!l->radius)
+        return most;
+    return (uint32_t)((uint64_t)most * raster_light_box_attenuation(&t->m.shading.box, &l->v, l->radius) >> 30);
+}
+
+void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count)
+{
+    uint32_t *strength = t->batch.radiance[0];
+    _Static_assert(sizeof t->batch.radiance >= SCENE_MAX_LIGHTS * sizeof *strength, "room for every light");
+    if (count == t->chosen_count)
+        return;
+    t->chosen_count = count;
+    __builtin_memcpy(t->light_chosen, t->light_reaches, sizeof t->light_chosen);
+    if (count >= t->light_count)
+        return;
+    for (uint32_t i = 0; i < r->frame.light_count; i++) /* one more: 0 is for those that are out */
+        strength[i] = t->light_reaches[i / 32] >> i % 32 & 1 ? fx_add_sat(light_strength(r, t, i), 1) : 0;
+    __builtin_memset(t->light_chosen, 0, sizeof t->light_chosen);
+    for (; count; count--) {
+        uint32_t best = 0;
+        for (uint32_t i = 1; i < r->frame.light_count; i++)
+            if (strength[i] > strength[best])
+                best = i;
+        t->light_chosen[best / 32] |= 1u << best % 32;
+        strength[best] = 0;
+    }
 }
 
 uint32_t raster_lobe_exact(const struct raster_lobe *l, uint32_t x)

@@ -152,3 +152,16 @@ bool raster_light_box_reached(const struct raster_light_box *box, const struct v
         return false;
     return (uint64_t)x * x + (uint64_t)y * y + (uint64_t)z * z < (uint64_t)radius * radius;
 }
+
+uint32_t raster_light_box_attenuation(const struct raster_light_box *box, const struct vec3 *position, uq16_16_t radius)
+{
+    const struct vec3 nearest = {fx_clamp(position->x, box->lo.x, box->hi.x),
+                                 fx_clamp(position->y, box->lo.y, box->hi.y),
+                                 fx_clamp(position->z, box->lo.z, box->hi.z)};
+    struct vec3 l;
+    uint32_t attenuation;
+    if (!raster_point_light(&l, &attenuation, position, radius, nearest))
+        return 0;
+    attenuation += (attenuation >> 13) + 2; /* both attenuations err by up to 2^-15 and a unit */
+    return attenuation < ONE ? attenuation : ONE;
+}

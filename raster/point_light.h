@@ -28,17 +28,16 @@ struct vec3 raster_surface_point(const struct raster *r, uint32_t x, uint32_t y,
 bool raster_point_light(struct vec3 *l, uint32_t *attenuation, const struct vec3 *position, uq16_16_t radius,
                         struct vec3 point);
 
-/* An axis-aligned box, eye space, q16_16, that holds every raster_surface_point of a rectangle of pixels. */
-struct raster_light_box {
-    struct vec3 lo, hi;
-};
-
-/* Once a tile. In: the rectangle, not empty, and the largest and smallest depth among its surfaces, as for raster_surface_point;
+/* Once a tile: a box that holds every raster_surface_point of a rectangle of pixels. In: the rectangle, not empty, and the largest and smallest depth among its surfaces, as for raster_surface_point;
  * background excluded. */
 void raster_light_box_setup(struct raster_light_box *box, const struct raster *r, const struct raster_rect *rect,
                             uint32_t nearest, uint32_t farthest);
 
 /* Whether a point light may reach a surface in the box: true wherever raster_point_light says so for a point of it. */
 bool raster_light_box_reached(const struct raster_light_box *box, const struct vec3 *position, uq16_16_t radius);
+
+/* No point of the box gets a larger *attenuation from raster_point_light; 0 where the light does not reach it. */
+uint32_t raster_light_box_attenuation(const struct raster_light_box *box, const struct vec3 *position,
+                                      uq16_16_t radius);
 
 #endif

@@ -107,5 +107,29 @@ struct raster_costs {
         uint32_t flat;     /* a meshlet at rate flat, under RASTER_LEAST_LIGHTS lights of any kind */
     } shading[RASTER_SHADE_COUNT];
 };
+/* Samples of an area at a rate: at most (at rates 1x1 of one sample per pixel, 4x4 and in areas of whole cells this many); and what is
+ * likely, for all rates, without light or colour being known. */
+uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, const struct raster_area *a,
+                             enum raster_rate rate);
+void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
+                           const struct raster_area *a);
+
+/* How many blocks, with planes of their own, a region is shaded in: 1 but near directions that a light comes from or goes to. */
+uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,
+                              enum raster_rate rate);
+
+/* Shading of one material at one rate, in a region or several. */
+struct raster_work {
+    enum raster_shading shading;
+    enum raster_rate rate;
+    uint32_t pixels, samples;     /* below 2^16 each; of 4 per pixel, pixels are samples of coverage */
+    uint32_t blocks;              /* summed over regions */
+    bool exact;                   /* some region takes more than one */
+    uint32_t directional, points; /* lights, at most 128 */
+    uint32_t lit; /* the share of pixel-lights of directional ones that are lit, 256: all, which is the upper bound */
+};
+
+/* Its ticks, rounded up. An upper bound where samples, blocks and lights are the most they may be, and `lit` is 256. */
+uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_work *w);
 
 #endif

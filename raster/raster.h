@@ -181,6 +181,11 @@ struct raster_area {
     uint16_t cells;  /* pairs of a cell and a meshlet that shows in it: what is shaded at rate 4x4 */
 };
 
+/* An axis-aligned box, eye space, q16_16: see point_light.h. */
+struct raster_light_box {
+    struct vec3 lo, hi;
+};
+
 /* Of a tile that is drawn. Materials are those of the scene: further rows are not filled. */
 struct raster_survey {
     uint32_t regions;      /* of the tile, row-major */
@@ -201,6 +206,7 @@ struct raster_tile {
         } general;
         struct {
             struct raster_survey survey;
+            struct raster_light_box box; /* what is seen, where there are point lights */
             uint32_t flat[RASTER_SLOTS]; /* a slot's finished colour, see shade.c */
         } shading;
     } m;
@@ -210,6 +216,8 @@ struct raster_tile {
     uint32_t node;       /* of the next meshlet; 0: all are drawn */
     uint32_t slot_count; /* used, without slot 0 */
     uint32_t light_reaches[SCENE_MAX_LIGHTS / 32]; /* lights that may reach a surface of the tile */
+    uint32_t light_chosen[SCENE_MAX_LIGHTS / 32];  /* of these, the strongest */
+    uint32_t light_count, chosen_count;            /* how many they are */
     struct raster_batch batch;
 };
 

@@ -84,7 +84,7 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
         return;
     __builtin_memset(b->radiance, 0, b->count * sizeof b->radiance[0]);
     for (unsigned l = 0, added = 0; l < r->frame.light_count; l++) {
-        if (!(o->t->light_reaches[l / 32] >> l % 32 & 1))
+        if (!(o->t->light_chosen[l / 32] >> l % 32 & 1))
             continue;
         lit += raster_shade_light(o->t, k, r, o->x0, o->y0, l, model);
         stats->tried += b->count;
@@ -436,7 +436,6 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
 /* The cells of a material's rate, in samples. */
 static void choose_cells(struct shading *o, enum raster_rate rate)
 {
-    static const uint8_t shift[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
     const uint8_t sample_shift = o->r->sample_shift;
     o->flat = rate == RASTER_RATE_FLAT;
     o->mean = rate != RASTER_RATE_1X1;
@@ -444,8 +443,8 @@ static void choose_cells(struct shading *o, enum raster_rate rate)
     /* Before the last meshlet is drawn, every sample is shaded by itself: which of a pixel's is seen may change. */
     if (o->flat || (rate == RASTER_RATE_1X1 && o->t->node))
         return;
-    o->cell_x = (uint8_t)(shift[rate][0] + sample_shift);
-    o->cell_y = (uint8_t)(shift[rate][1] + sample_shift);
+    o->cell_x = (uint8_t)(raster_cell_shift[rate][0] + sample_shift);
+    o->cell_y = (uint8_t)(raster_cell_shift[rate][1] + sample_shift);
 }
 
 /* Of the region's first surface that waits for blocks. */
@@ -477,6 +476,7 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
                         .quality = q,
                         .format = raster_value_format(r)};
     t->batch.count = 0;
+    raster_choose_lights(r, t, q->lights);
     for (o.other = find_material(&o, x, y); o.other != NO_MATERIAL;) {
         o.material = o.other;
         o.other = NO_MATERIAL;

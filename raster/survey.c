@@ -107,6 +107,9 @@ const struct raster_survey *raster_tile_survey(const struct raster *r, struct ra
         }
         any |= sum->pixels != 0;
     }
-    s->point_lights = any ? raster_find_lights(r, t, rect) : 0;
+    t->light_count = 0;
+    if (any)
+        raster_find_lights(r, t, rect);
+    s->point_lights = any ? t->light_count - r->directional : 0;
     return s;
 }

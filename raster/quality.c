@@ -1,0 +1,101 @@
+/*
+ * What rungs of shading take. Where a meshlet shows a square of a x a pixels anywhere among cells of e x f, it meets on average
+ * (a + e - 1)(a + f - 1)/(e f) of them, so that one number, 1/a, says all rates' samples; the cells of 4 x 4 that were counted say 1/a.
+ */
+#include "quality.h"
+
+#include "block.h"
+
+#define ONE_SHIFT 10
+
+const uint8_t raster_cell_shift[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
+
+enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate)
+{
+    const struct scene_material *m = &r->frame.materials[material];
+    if (rate == RASTER_RATE_1X1 && r->in_rows[material])
+        return raster_is_diffuse(m) ? RASTER_SHADE_DIFFUSE_ROW : RASTER_SHADE_BLINN_PHONG_ROW;
+    switch (m->kind) {
+    case SCENE_MATERIAL_MEASURED:
+        return r->frame.tables[m->slot]->kind == LUT_HALF_VECTOR ? RASTER_SHADE_HALF_VECTOR
+                                                                 : RASTER_SHADE_SPECULAR_FRAME;
+    case SCENE_MATERIAL_BLINN_PHONG:
+        return RASTER_SHADE_BLINN_PHONG;
+    case SCENE_MATERIAL_METALLIC_ROUGHNESS:
+        return RASTER_SHADE_METALLIC_ROUGHNESS;
+    default:
+        return RASTER_SHADE_LAFORTUNE_PHONG;
+    }
+}
+
+static uint32_t lesser(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Rounded down. In: x < 2^22. */
+static uint32_t square_root(uint32_t x)
+{
+    uint32_t root = 0;
+    for (uint32_t bit = 1u << 10; bit; bit >>= 1)
+        if ((root + bit) * (root + bit) <= x)
+            root += bit;
+    return root;
+}
+
+uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, const struct raster_area *a,
+                             enum raster_rate rate)
+{
+    if (rate == RASTER_RATE_FLAT)
+        return lesser(a->cells, s->slots);
+    if (rate == RASTER_RATE_1X1 && !r->sample_shift)
+        return a->pixels;
+    return lesser((uint32_t)a->cells << (4 - raster_cell_shift[rate][0] - raster_cell_shift[rate][1]), a->pixels);
+}
+
+void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
+                           const struct raster_area *a)
+{
+    const uint32_t one = 1u << ONE_SHIFT, edge = 4u << r->sample_shift; /* of a cell that was counted */
+    /* sqrt(cells/pixels) = (a + edge - 1)/(edge a); cells <= pixels <= 2^12 */
+    const uint32_t ratio = a->pixels ? square_root(((uint32_t)a->cells << 2 * ONE_SHIFT) / a->pixels) : one;
+    const uint32_t inverse = edge * ratio > one ? (edge * ratio - one) / (edge - 1) : 0; /* 1/a <= 1 */
+    for (int rate = 0; rate < RASTER_RATE_FLAT; rate++) {
+        uint32_t n = a->pixels;
+        for (int i = 0; i < 2; i++) {
+            const unsigned shift = raster_cell_shift[rate][i] + r->sample_shift;
+            n = (n * ((one + ((1u << shift) - 1) * inverse) >> shift) + one / 2) >> ONE_SHIFT;
+        }
+        samples[rate] = n;
+    }
+    samples[RASTER_RATE_4X4] = a->cells;
+    samples[RASTER_RATE_FLAT] = lesser(a->cells, s->slots);
+}
+
+uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,
+                              enum raster_rate rate)
+{
+    const uint32_t columns = RASTER_REGIONS(rect->width), x = region % columns << RASTER_REGION_SHIFT,
+                   y = region / columns << RASTER_REGION_SHIFT;
+    if (rate == RASTER_RATE_FLAT || (r->block_shift == RASTER_REGION_SHIFT &&
+                                     raster_block_regular(r, rect->x + x, rect->y + y, RASTER_REGION_SHIFT)))
+        return 1;
+    return 1u << 2 * (RASTER_REGION_SHIFT - raster_cell_shift[rate][0]);
+}
+
+uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_work *w)
+{
+    const uint32_t lit = c->shading[w->shading].lit, dark = c->shading[w->shading].dark,
+                   point = c->shading[w->shading].point;
+    /* Where planes do not hold, directional lights are found at every sample, as point lights are. */
+    const uint64_t light = w->exact ? point : ((uint64_t)lit * w->lit + (uint64_t)dark * (256 - w->lit)) >> 8;
+    uint64_t sample = c->shading[w->shading].sample + w->directional * light + (uint64_t)w->points * point;
+    if (w->rate == RASTER_RATE_FLAT)
+        sample = w->directional + w->points <= RASTER_LEAST_LIGHTS
+                     ? c->shading[w->shading].flat
+                     : c->shading[w->shading].sample + (uint64_t)(w->directional + w->points) * point;
+    /* Sums of a tile: 2^12 samples, 2^8 lights, costs of less than 2^32 each */
+    const uint64_t sum = w->samples * sample + (w->rate == RASTER_RATE_1X1 ? 0 : (uint64_t)w->pixels * c->copied) +
+                         w->blocks * (c->region + (uint64_t)w->directional * c->shading[w->shading].material);
+    return sum >> 4 < UINT32_MAX ? (uint32_t)(sum >> 4) + 1 : UINT32_MAX;
+}
