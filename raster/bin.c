@@ -1,9 +1,8 @@
 /*
  * The frame's first half: set up and cull objects, choose their levels of detail, cull meshlets, bin what survives to tiles.
  *
- * The arena holds, in this order: list heads, objects in view, visible meshlets (growing up); list nodes grow down from its
- * end. Ids are 16 bits and name what is in the arena, not what is in the world. A meshlet is bound by its box's projection,
- * not by a sphere: half as many entries.
+ * The arena holds, in this order: list heads, lights, objects in view, runs (internal.h), which are a tile's list. Ids of 16 bits name
+ * what is in the arena, not what is in the world. A meshlet is bound by its box's projection, not by a sphere: half as many entries.
  */
 #include "internal.h"
 
@@ -16,26 +15,34 @@ struct magnitude {
 #define FIRST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
 #define MAX_BIAS        30         /* 2^30 / 2^8 vertex units: beyond every level's error */
 
+/* The newest run of a tile, as far as counting runs takes. */
+struct newest {
+    uint32_t object; /* as raster_run has it; UINT32_MAX: none */
+    uint32_t meshlet;
+};
+
+#define WINDOW_TILES 48 /* whose runs are counted together, on the stack */
+
 /* Where binning puts its results, or only counts them. */
 struct binner {
     struct raster *r;
     struct magnitude pixels; /* threshold / (focal * H/2) */
     bool objects_stored;     /* in the arena; else they are set up again whenever they are needed */
-    bool store;
-    bool coarsest; /* every object in view was drawn at its last level */
+    bool full;               /* more than run_limit runs: binning ended */
+    bool coarsest;           /* every object in view was drawn at its last level */
     uint32_t bias;
-    size_t fixed_bytes; /* heads and objects */
+    size_t fixed_bytes; /* heads, lights and objects */
     size_t arena_bytes;
-    uint32_t visible_count; /* counted on even when storing stops, up to the limits */
-    uint32_t node_count;    /* node 0 is the list end and not used */
-    struct raster_node *node_end;
+    uint32_t run_count, run_limit;
+    struct newest *window; /* NULL: runs are stored; else counted, in the tiles from window_first on */
+    uint32_t window_first;
 };
 
 /* Tiles a meshlet touches, inclusive, and its class. */
 struct coverage {
     int32_t x0, y0, x1, y1;
     int32_t nearest; /* smallest W of its corners */
-    uint16_t flags;
+    uint32_t flags;  /* VISIBLE_* */
 };
 
 const char *raster_status_text(enum raster_status s)
@@ -45,7 +52,7 @@ const char *raster_status_text(enum raster_status s)
         "the picture's width or height is zero or above 4096, 2048 with 4 samples, or samples are not 1 or 4",
         "the arena is too small for this frame, even at the coarsest levels of detail",
         "a measured material's slot holds no table",
-        "more than 65535 visible meshlets or bin entries, even at the coarsest levels of detail",
+        "more than 65535 runs of meshlets in tiles, even at the coarsest levels of detail",
     };
     return (unsigned)s < RASTER_STATUS_COUNT ? text[s] : "unknown raster status";
 }
@@ -162,31 +169,60 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
     return true;
 }
 
-static bool within_limits(const struct binner *b)
+/* Whether a run whose newest meshlet is `newest` takes another, newer one. */
+static inline bool run_takes(uint32_t run_object, uint32_t newest, uint32_t object, uint32_t meshlet)
 {
-    return b->visible_count <= UINT16_MAX && b->node_count <= UINT16_MAX;
+    return run_object - (object << RUN_BITS) < RUN_BACK && meshlet - newest - 1 < UINT8_MAX;
+}
+
+/* False when there are too many runs. */
+static inline bool take_run(struct binner *b)
+{
+    b->full = b->run_count == b->run_limit;
+    b->run_count += !b->full;
+    return !b->full;
+}
+
+static void bin_store(struct binner *b, uint32_t tile, uint32_t object, uint32_t meshlet)
+{
+    uint16_t *head = &b->r->heads[tile];
+    if (*head) {
+        struct raster_run *run = &b->r->runs[*head - 1];
+        if (run_takes(run->object, run->meshlet, object, meshlet)) {
+            run->back[RUN_USED(run->object++)] = (uint8_t)(meshlet - run->meshlet);
+            run->meshlet = meshlet;
+            return;
+        }
+    }
+    if (!take_run(b))
+        return;
+    struct raster_run *run = &b->r->runs[b->run_count - 1];
+    run->next = *head;
+    run->object = (uint16_t)(object << RUN_BITS);
+    run->meshlet = meshlet;
+    *head = (uint16_t)b->run_count;
+}
+
+static void bin_count(struct binner *b, uint32_t tile, uint32_t object, uint32_t meshlet)
+{
+    if (tile - b->window_first >= WINDOW_TILES)
+        return;
+    struct newest *run = &b->window[tile - b->window_first];
+    const bool takes = run_takes(run->object, run->meshlet, object, meshlet);
+    if (takes || take_run(b))
+        *run = (struct newest){takes ? run->object + 1 : object << RUN_BITS, meshlet};
 }
 
 static void bin_meshlet(struct binner *b, uint32_t object, uint32_t meshlet, const struct coverage *c)
 {
-    struct raster *r = b->r;
-    uint32_t nodes = (uint32_t)(c->x1 - c->x0 + 1) * (uint32_t)(c->y1 - c->y0 + 1);
-    uint32_t id = b->visible_count++;
-    b->node_count += nodes; /* <= 2^16 + 2^13: see bin_object */
-    size_t needed = b->fixed_bytes + (size_t)b->visible_count * sizeof(struct raster_visible) +
-                    (size_t)b->node_count * sizeof(struct raster_node);
-    if (!within_limits(b) || needed > b->arena_bytes)
-        b->store = false;
-    if (!b->store)
-        return;
-    r->visible[id] = (struct raster_visible){(uint16_t)object, c->flags, meshlet};
-    uint32_t node = b->node_count - nodes;
+    b->r->visible_count++;
     for (int32_t ty = c->y0; ty <= c->y1; ty++)
-        for (int32_t tx = c->x0; tx <= c->x1; tx++) {
-            uint16_t *head = &r->heads[(uint32_t)ty * r->tiles_x + (uint32_t)tx];
-            node++; /* entry n lies n before the end, so that 0 can mean none */
-            b->node_end[-(ptrdiff_t)node] = (struct raster_node){(uint16_t)id, *head};
-            *head = (uint16_t)node;
+        for (int32_t tx = c->x0; tx <= c->x1 && !b->full; tx++) {
+            const uint32_t tile = (uint32_t)ty * b->r->tiles_x + (uint32_t)tx;
+            if (b->window)
+                bin_count(b, tile, object, meshlet | c->flags);
+            else
+                bin_store(b, tile, object, meshlet | c->flags);
         }
 }
 
@@ -283,7 +319,7 @@ static const struct scene_lod *choose_level(struct binner *b, const struct raste
 static void bin_object(struct binner *b, const struct raster_object *o, uint32_t index)
 {
     const struct scene_lod *lod = choose_level(b, o);
-    for (uint32_t k = 0; k < lod->meshlet_count && within_limits(b); k++) {
+    for (uint32_t k = 0; k < lod->meshlet_count && !b->full; k++) {
         uint32_t id = lod->meshlet_first + k;
         const struct scene_meshlet *m = &b->r->frame.scene->meshlets[id];
         struct coverage c;
@@ -292,27 +328,52 @@ static void bin_object(struct binner *b, const struct raster_object *o, uint32_t
     }
 }
 
-/* Bins all objects at a bias; afterwards b->store says whether the arena holds them. */
-static void bin_objects(struct binner *b, uint32_t bias)
+static void bin_objects(struct binner *b)
 {
-    struct raster *r = b->r;
+    const struct raster *r = b->r;
     const struct scene *s = r->frame.scene;
-    b->bias = bias;
     b->coarsest = true;
-    b->store = b->objects_stored;
-    b->visible_count = b->node_count = 0;
     if (b->objects_stored) {
-        r->visible = (struct raster_visible *)(r->objects + r->object_count);
-        for (uint32_t t = 0; t < raster_tile_count(r); t++)
-            r->heads[t] = 0;
         for (uint32_t i = 0; i < r->object_count; i++)
             bin_object(b, &r->objects[i], i);
         return;
     }
-    for (uint32_t i = 0; i < s->header->objects.count; i++) {
+    for (uint32_t i = 0, index = 0; i < s->header->objects.count; i++) {
         struct raster_object o;
         if (object_prepare(&o, b, &s->objects[i]))
-            bin_object(b, &o, 0);
+            bin_object(b, &o, index++);
+    }
+}
+
+static void start_bins(struct binner *b, uint32_t run_limit)
+{
+    b->run_limit = run_limit;
+    b->run_count = b->r->visible_count = 0;
+    b->full = false;
+}
+
+static void store_bins(struct binner *b)
+{
+    struct raster *r = b->r;
+    const size_t room = (b->arena_bytes - b->fixed_bytes) / sizeof *r->runs;
+    start_bins(b, room < UINT16_MAX ? (uint32_t)room : UINT16_MAX);
+    b->window = NULL;
+    r->runs = (struct raster_run *)(r->objects + r->object_count);
+    for (uint32_t t = 0; t < raster_tile_count(r); t++)
+        r->heads[t] = 0;
+    bin_objects(b);
+}
+
+/* How many runs there will be depends on what each tile's last one was: that of some tiles is kept at a time. */
+FX_NOINLINE static void count_bins(struct binner *b)
+{
+    struct newest window[WINDOW_TILES];
+    start_bins(b, UINT16_MAX);
+    b->window = window;
+    for (b->window_first = 0; b->window_first < raster_tile_count(b->r) && !b->full; b->window_first += WINDOW_TILES) {
+        for (uint32_t i = 0; i < WINDOW_TILES; i++)
+            window[i].object = UINT32_MAX;
+        bin_objects(b);
     }
 }
 
@@ -359,23 +420,25 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
         r->heads = (uint16_t *)p;
         r->lights = (struct raster_light *)(void *)(p + head_bytes);
         r->objects = (struct raster_object *)(p + head_bytes + light_bytes);
-        r->nodes = b.node_end = (struct raster_node *)(p + bytes);
     }
     r->object_count = 0;
     list_objects(&b);
-    for (uint32_t bias = 0;; bias = !arena || b.objects_stored ? bias + 1 : MAX_BIAS) {
-        bin_objects(&b, bias);
-        if ((within_limits(&b) && (b.store || !arena)) || b.coarsest || bias == MAX_BIAS)
+    for (b.bias = arena && !b.objects_stored ? MAX_BIAS : 0;; b.bias++) {
+        if (b.objects_stored)
+            store_bins(&b);
+        else
+            count_bins(&b);
+        if (!b.full || b.coarsest || b.bias == MAX_BIAS)
             break;
     }
     r->lod_bias = b.bias;
-    r->visible_count = b.visible_count;
-    r->node_count = b.node_count;
-    if (!within_limits(&b))
+    const bool stored = b.objects_stored && !b.full;
+    if (!stored && b.objects_stored)
+        count_bins(&b);
+    if (b.full)
         return RASTER_ERR_LIMIT;
-    r->arena_needed = b.fixed_bytes + (size_t)b.visible_count * sizeof(struct raster_visible) +
-                      (size_t)b.node_count * sizeof(struct raster_node);
-    if (!b.store)
+    r->arena_needed = b.fixed_bytes + b.run_count * sizeof(struct raster_run);
+    if (!stored)
         return RASTER_ERR_ARENA;
     raster_view_setup(&r->view, f->camera, f->width, f->height);
     raster_light_setup(r);

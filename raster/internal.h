@@ -57,20 +57,26 @@ struct raster_object {
     uint32_t mesh;
 };
 
-#define VISIBLE_SMALL        1u                         /* drawn by small.c */
-#define VISIBLE_SHIFT(shift) ((uint16_t)((shift) << 8)) /* from inv_w to D, see NORMAL_BITS */
-#define VISIBLE_GET_SHIFT(f) ((unsigned)(f) >> 8)
-
-struct raster_visible {
-    uint16_t object;
-    uint16_t flags;
-    uint32_t meshlet;
+/*
+ * A tile's list: runs from the newest to the oldest, each of up to RUN_BACK + 1 meshlets of one object and of like flags, whose ids rise
+ * by less than 256 from one to the next. From the newest on, ids are found by stepping back.
+ */
+#define RUN_BITS         4
+#define RUN_BACK         8
+#define RUN_USED(object) ((object) & ((1u << RUN_BITS) - 1))
+struct raster_run {
+    uint16_t next;          /* the next older run's index + 1, 0 = end */
+    uint16_t object;        /* index << RUN_BITS, plus how many of `back` are used */
+    uint32_t meshlet;       /* the newest's id, and VISIBLE_* */
+    uint8_t back[RUN_BACK]; /* the last first */
 };
-
-struct raster_node {
-    uint16_t visible; /* index into visible */
-    uint16_t next;    /* 0 = end */
-};
+#define VISIBLE_MESHLET(m)   ((m)&0x7ffffffu)
+#define VISIBLE_SMALL        0x80000000u               /* drawn by small.c */
+#define VISIBLE_SHIFT(shift) ((uint32_t)(shift) << 27) /* from inv_w to D, see NORMAL_BITS */
+#define VISIBLE_GET_SHIFT(m) ((unsigned)((m) >> 27) & 15)
+_Static_assert(SCENE_MAX_OBJECTS << RUN_BITS <= 1u << 16 && RUN_BACK < 1 << RUN_BITS, "objects of runs");
+_Static_assert(SCENE_MAX_BYTES / sizeof(struct scene_meshlet) < 1u << 27 && INV_W_BITS - NORMAL_BITS < 16,
+               "meshlets of runs");
 
 /* A vertex' normal coordinate in homogeneous form: times D. |u| <= 2^14. */
 static inline int32_t raster_homogeneous(int32_t u, uint32_t inv_w, unsigned shift)

@@ -41,7 +41,7 @@ enum raster_status {
     RASTER_ERR_SIZE, /* width or height zero or above RASTER_MAX_*, half of that with 4 samples; samples not 0, 1 or 4 */
     RASTER_ERR_ARENA, /* the arena is too small even for the coarsest levels: raster.arena_needed says what they take */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
-    RASTER_ERR_LIMIT, /* more than 65535 visible meshlets or bin entries at the coarsest levels */
+    RASTER_ERR_LIMIT, /* more than 65535 runs of meshlets in tiles at the coarsest levels */
     RASTER_STATUS_COUNT
 };
 
@@ -75,9 +75,8 @@ struct raster_stats {
     uint32_t fetches;   /* table texels read */
 };
 
-struct raster_object;  /* per-object transform of this frame, in the arena */
-struct raster_visible; /* a meshlet that survived culling, in the arena */
-struct raster_node;    /* an entry of a tile's list, in the arena */
+struct raster_object; /* per-object transform of this frame, in the arena */
+struct raster_run;    /* meshlets that follow each other in a tile's list, in the arena */
 
 struct raster_light {
     struct vec3 v; /* eye space: the unit vector towards a directional light, Q15; a point light's position, q16_16 */
@@ -98,10 +97,9 @@ struct raster_view {
 struct raster {
     struct raster_frame frame;
     struct raster_object *objects;
-    struct raster_visible *visible;
-    struct raster_node *nodes;
-    uint16_t *heads; /* per tile: first node, 0 = none */
-    uint32_t object_count, visible_count, node_count;
+    struct raster_run *runs;
+    uint16_t *heads; /* per tile: index of its first run + 1, 0 = none */
+    uint32_t object_count, visible_count;
     uint16_t tiles_x, tiles_y;
     uint16_t width, height;      /* of the grid of samples */
     uint8_t sample_shift;        /* 1 with 4 samples per pixel, else 0 */
@@ -213,7 +211,9 @@ struct raster_tile {
     int32_t spans[2 * RASTER_TILE_HEIGHT];
     int32_t centre_x2,
         centre_y2;       /* the picture's centre from the tile's corner in 1/512 px, plus one to round to nearest */
-    uint32_t node;       /* of the next meshlet; 0: all are drawn */
+    uint32_t run;        /* of the next meshlet, index + 1; 0: all are drawn */
+    uint32_t meshlet;    /* that */
+    uint32_t run_left;   /* older ones in its run */
     uint32_t slot_count; /* used, without slot 0 */
     uint32_t light_reaches[SCENE_MAX_LIGHTS / 32]; /* lights that may reach a surface of the tile */
     uint32_t light_chosen[SCENE_MAX_LIGHTS / 32];  /* of these, the strongest */
@@ -222,7 +222,7 @@ struct raster_tile {
 };
 
 /* Bytes of arena that this very frame needs at the levels of detail that its threshold asks for; 0 when raster_begin would
- * fail for another reason. Runs the culling pass, so costs what raster_begin does. */
+ * fail for another reason. Runs the culling pass once for every 48 tiles. */
 size_t raster_arena_bytes(const struct raster_frame *f);
 
 /*

@@ -441,7 +441,7 @@ static void choose_cells(struct shading *o, enum raster_rate rate)
     o->mean = rate != RASTER_RATE_1X1;
     o->cell_x = o->cell_y = 0;
     /* Before the last meshlet is drawn, every sample is shaded by itself: which of a pixel's is seen may change. */
-    if (o->flat || (rate == RASTER_RATE_1X1 && o->t->node))
+    if (o->flat || (rate == RASTER_RATE_1X1 && o->t->run))
         return;
     o->cell_x = (uint8_t)(raster_cell_shift[rate][0] + sample_shift);
     o->cell_y = (uint8_t)(raster_cell_shift[rate][1] + sample_shift);

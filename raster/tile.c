@@ -71,22 +71,31 @@ static void draw_general(struct raster_tile *t, const struct raster_object *o, c
     }
 }
 
-static void draw_meshlet(const struct raster *r, struct raster_tile *t, const struct raster_visible *visible,
+/* In: `visible` as raster_run has it. */
+static void draw_meshlet(const struct raster *r, struct raster_tile *t, const struct raster_object *o, uint32_t visible,
                          uint32_t slot, int32_t centre_x2, int32_t centre_y2, struct raster_stats *stats)
 {
     const struct scene *s = r->frame.scene;
-    const struct raster_object *o = &r->objects[visible->object];
-    const struct scene_meshlet *m = &s->meshlets[visible->meshlet];
+    const struct scene_meshlet *m = &s->meshlets[VISIBLE_MESHLET(visible)];
     const struct scene_vertex *vertex = s->vertices + m->vertex_first;
     const struct scene_triangle *triangle = s->triangles + m->triangle_first;
-    unsigned normal_shift = VISIBLE_GET_SHIFT(visible->flags);
+    unsigned normal_shift = VISIBLE_GET_SHIFT(visible);
     slot_setup(&t->slots[slot], o, m, normal_shift);
-    if (visible->flags & VISIBLE_SMALL) {
+    if (visible & VISIBLE_SMALL) {
         raster_transform_small(t->m.small, o, vertex, m->vertex_count, normal_shift, centre_x2 - 256, centre_y2 - 256);
         raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
     } else {
         draw_general(t, o, m, vertex, triangle, slot, centre_x2, centre_y2, stats);
     }
+}
+
+static void start_run(struct raster_tile *t, const struct raster *r, uint32_t id)
+{
+    t->run = id;
+    if (!id)
+        return;
+    t->meshlet = r->runs[id - 1].meshlet;
+    t->run_left = RUN_USED(r->runs[id - 1].object);
 }
 
 void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_tile *t, struct raster_rect *rect,
@@ -102,18 +111,22 @@ void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_til
     clear_surface(t);
     t->centre_x2 = r->width * 256 - (int32_t)x * 512 + 1;
     t->centre_y2 = r->height * 256 - (int32_t)y * 512 + 1;
-    t->node = r->heads[index];
+    start_run(t, r, r->heads[index]);
     t->slot_count = 0;
 }
 
 bool raster_tile_draw(const struct raster *r, struct raster_tile *t, struct raster_stats *stats)
 {
-    for (; t->node; stats->meshlets++) {
-        const struct raster_node *n = r->nodes - t->node;
+    for (; t->run; stats->meshlets++) {
+        const struct raster_run *run = &r->runs[t->run - 1];
         if (t->slot_count == RASTER_SLOTS - 1)
             return true;
-        draw_meshlet(r, t, &r->visible[n->visible], ++t->slot_count, t->centre_x2, t->centre_y2, stats);
-        t->node = n->next;
+        draw_meshlet(r, t, &r->objects[run->object >> RUN_BITS], t->meshlet, ++t->slot_count, t->centre_x2,
+                     t->centre_y2, stats);
+        if (t->run_left)
+            t->meshlet -= run->back[--t->run_left];
+        else
+            start_run(t, r, run->next);
     }
     return false;
 }

@@ -27,7 +27,7 @@ static const struct {
     {"texels fetched", offsetof(struct usb_tile_stats, fetches), 37200, 641000},
     {"modelled ticks", offsetof(struct usb_tile_stats, ticks), 1520000, 28700000},
 };
-static const uint32_t meshlet_limit = 1170, arena_limit = 18500;
+static const uint32_t meshlet_limit = 1170, arena_limit = 5500;
 
 static struct {
     struct usb_stats all;

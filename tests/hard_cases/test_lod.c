@@ -164,6 +164,29 @@ static const struct scene_lod *level_of(uint32_t mesh, uint32_t meshlet)
     return NULL;
 }
 
+/* Whether a meshlet that is drawn is of the level that the threshold, pixels, asks for. */
+static void check_level(const struct raster *r, const struct scene_camera *c, uint32_t object, uint32_t meshlet,
+                        double threshold, unsigned seen[32], unsigned *coarser)
+{
+    uint32_t mesh = r->objects[object].mesh;
+    const struct scene_lod *lod = level_of(mesh, meshlet);
+    const struct ref_object *o = reference->objects;
+    while (o->mesh != mesh) /* here every object has a mesh of its own */
+        o++;
+    uint32_t level = (uint32_t)(lod - scene.lods) - scene.meshes[mesh].lod_first;
+    seen[level]++;
+    assert_true(projected_error(c, o, lod->error, 240) <= blob->lod_error / 65536.0);
+    if (level + 1 < scene.meshes[mesh].lod_count) {
+        (*coarser)++; /* the next one is refused but where rounding decides */
+        assert_true(projected_error(c, o, lod[1].error, 240) > threshold * 0.98);
+    }
+}
+
+static const struct raster_run *run_at(const struct raster *r, uint32_t id)
+{
+    return id ? &r->runs[id - 1] : NULL;
+}
+
 static void the_coarsest_level_within_the_threshold_is_drawn(void **state)
 {
     (void)state;
@@ -176,20 +199,15 @@ static void the_coarsest_level_within_the_threshold_is_drawn(void **state)
         void *arena = xmalloc(bytes);
         struct raster r;
         assert_int_equal(raster_begin(&r, &f, arena, bytes), RASTER_OK);
-        for (uint32_t i = 0; i < r.visible_count && !r.lod_bias; i++) { /* inside a model ids may run out */
-            uint32_t mesh = r.objects[r.visible[i].object].mesh;
-            const struct scene_lod *lod = level_of(mesh, r.visible[i].meshlet);
-            const struct ref_object *o = reference->objects;
-            while (o->mesh != mesh) /* here every object has a mesh of its own */
-                o++;
-            uint32_t level = (uint32_t)(lod - scene.lods) - scene.meshes[mesh].lod_first;
-            seen[level]++;
-            assert_true(projected_error(&c, o, lod->error, 240) <= blob->lod_error / 65536.0);
-            if (level + 1 < scene.meshes[mesh].lod_count) {
-                coarser++; /* the next one is refused but where rounding decides */
-                assert_true(projected_error(&c, o, lod[1].error, 240) > threshold * 0.98);
-            }
-        }
+        for (uint32_t tile = 0; tile < raster_tile_count(&r) && !r.lod_bias;
+             tile++) /* inside a model ids may run out */
+            for (const struct raster_run *run = run_at(&r, r.heads[tile]); run; run = run_at(&r, run->next))
+                for (uint32_t k = RUN_USED(run->object), meshlet = VISIBLE_MESHLET(run->meshlet);;
+                     meshlet -= run->back[--k]) {
+                    check_level(&r, &c, run->object >> RUN_BITS, meshlet, threshold, seen, &coarser);
+                    if (!k)
+                        break;
+                }
         free(arena);
     }
     for (uint32_t i = 0; i < scene.meshes[0].lod_count; i++)
@@ -371,14 +389,14 @@ static void a_small_arena_raises_the_threshold_and_loses_nothing(void **state)
             same += abs(full[3 * i] - picture[3 * i]) < 64;
         least_same = same < least_same ? same : least_same;
         free(picture);
-        bytes -= 256;
+        bytes -= 64;
     }
     print_message(
         "# %zu bytes at the finest levels, %zu at the coarsest, threshold doubled %u times, at least %.1f %% of the "
         "pixels alike\n",
         needed, r.arena_needed, bias, 100.0 * (double)least_same / (320 * 240));
     assert_true(least_same > 320 * 240 * 0.85); /* six solid models, however coarse */
-    assert_true(bias > 4 && bytes < needed / 3);
+    assert_true(bias > 4 && bytes < needed * 3 / 5);
     /* what the error asks for is enough, and exactly enough */
     size_t least = r.arena_needed;
     assert_int_equal(raster_begin(&r, &f, arena, least), RASTER_OK);

@@ -1,6 +1,7 @@
 /*
  * The rasterizer through its public interface: empty scenes, odd pictures, crowded tiles, orders of tiles, refusals.
  */
+#include "internal.h"
 #include "scene_fixture.h"
 
 static void scene_without_objects_is_background(void **state)
@@ -106,29 +107,61 @@ static void missing_table_is_refused_with_its_material(void **state)
     ref_blob_free(&b);
 }
 
-static void too_many_meshlets_are_refused(void **state)
+/* 65,000 meshlets in one tile: every one of every object, the newest first. */
+static void a_tile_lists_every_meshlet(void **state)
 {
     (void)state;
-    enum { PER_MESH = 1000 };
+    enum { PER_MESH = 1000, OBJECTS = 65 };
     static uint16_t t[PER_MESH][3];
     const int16_t v[3][3] = {{-100, -100, 0}, {100, -100, 0}, {0, 100, 0}};
     for (int i = 0; i < PER_MESH; i++)
         memcpy(t[i], (const uint16_t[3]){0, 1, 2}, sizeof t[i]);
     struct ref_blob b = new_scene();
     unsigned mesh = ref_blob_mesh(&b, v, (const uint16_t(*)[3])t, PER_MESH);
-    for (int objects = 1; objects <= 66; objects++) {
+    for (int i = 0; i < OBJECTS; i++)
         ref_blob_object(&b, mesh, 0, (const double[3]){0, 0, -4}, 0.01);
-        if (objects != 65 && objects != 66)
-            continue;
-        struct opened o; /* one tile: as many entries as meshlets, 65000 or 66000 */
-        struct raster r;
-        open_scene(&o, &b, 32, 32);
-        assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), objects == 65 ? RASTER_ERR_ARENA : RASTER_ERR_LIMIT);
-        assert_int_equal(raster_arena_bytes(&o.frame) > 0, objects == 65);
-        o.frame.width = 128; /* two columns of tiles: twice the entries */
-        assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_LIMIT);
-        free(o.blob);
+    struct opened o;
+    struct raster r;
+    open_scene(&o, &b, 32, 32);
+    size_t bytes = raster_arena_bytes(&o.frame);
+    void *arena = malloc(bytes);
+    assert_int_equal(raster_begin(&r, &o.frame, arena, bytes), RASTER_OK);
+    assert_int_equal(r.visible_count, OBJECTS * PER_MESH);
+    uint32_t expected = OBJECTS * PER_MESH;
+    for (uint32_t id = r.heads[0]; id; id = r.runs[id - 1].next) {
+        const struct raster_run *run = &r.runs[id - 1];
+        uint32_t k = RUN_USED(run->object), meshlet = VISIBLE_MESHLET(run->meshlet);
+        assert_in_range(k, 0, RUN_BACK);
+        for (k++; k--; meshlet -= k ? run->back[k - 1] : 0)
+            assert_int_equal((run->object >> RUN_BITS) * PER_MESH + meshlet, --expected);
     }
+    assert_int_equal(expected, 0);
+    free(arena);
+    free(o.blob);
+    ref_blob_free(&b);
+}
+
+static void too_many_runs_are_refused(void **state)
+{
+    (void)state;
+    const int16_t v[3][3] = {{-30000, -30000, 0}, {30000, -30000, 0}, {0, 30000, 0}};
+    struct ref_blob b = new_scene();
+    unsigned mesh = ref_blob_mesh(&b, v, (const uint16_t[1][3]){{0, 1, 2}}, 1);
+    for (unsigned i = 0; i < SCENE_MAX_OBJECTS; i++)
+        ref_blob_object(&b, mesh, 0, (const double[3]){0, 0, -4}, 0.01);
+    struct opened o; /* a run for every tile and object */
+    struct raster r;
+    open_scene(&o, &b, 15 * RASTER_TILE_WIDTH, RASTER_TILE_HEIGHT);
+    assert_true(raster_arena_bytes(&o.frame) > sizeof(struct raster_run) * 15 * SCENE_MAX_OBJECTS);
+    assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_ARENA);
+    o.frame.width = 16 * RASTER_TILE_WIDTH;
+    assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_LIMIT);
+    assert_int_equal(raster_arena_bytes(&o.frame), 0);
+    size_t bytes = 4u << 20;
+    void *arena = malloc(bytes);
+    assert_int_equal(raster_begin(&r, &o.frame, arena, bytes), RASTER_ERR_LIMIT);
+    free(arena);
+    free(o.blob);
     ref_blob_free(&b);
 }
 
@@ -223,7 +256,8 @@ int main(void)
         cmocka_unit_test(sizes_out_of_range_are_refused),
         cmocka_unit_test(small_arena_says_what_is_needed),
         cmocka_unit_test(missing_table_is_refused_with_its_material),
-        cmocka_unit_test(too_many_meshlets_are_refused),
+        cmocka_unit_test(a_tile_lists_every_meshlet),
+        cmocka_unit_test(too_many_runs_are_refused),
         cmocka_unit_test(crowded_tiles_lose_nothing),
         cmocka_unit_test(any_order_of_tiles_gives_the_same_pixels),
         cmocka_unit_test(every_status_has_its_own_text),
