@@ -39,8 +39,8 @@ expect() { # claim code stdout stderr command...
     "$@" >"$work/out" 2>"$work/err" </dev/null
     got=$?
     [ $got = "$code" ] || bad=1
-    [[ $(cat "$work/out") =~ ^($out)$ ]] || bad=1
-    [[ $(cat "$work/err") =~ ^($err)$ ]] || bad=1
+    [[ $(<"$work/out") =~ ^($out)$ ]] || bad=1
+    [[ $(<"$work/err") =~ ^($err)$ ]] || bad=1
     [ $bad = 0 ] || echo "# exit code $got, expected $code; stdout ^($out)$, stderr ^($err)$"
     ok $bad "$claim" "$work/out" "$work/err"
 }

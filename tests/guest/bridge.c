@@ -500,7 +500,12 @@ int main(int argc, char **argv)
         struct pollfd fds[2] = {{b.usb, POLLIN, 0}, {b.leaving ? -1 : b.orders, POLLIN, 0}};
         if (usbredirparser_has_data_to_write(b.parser))
             fds[0].events |= POLLOUT;
+        bool resting = idle == BUSY_STEPS && !waiting;
+        if (resting)
+            b.port.rest(b.port.ctx, true);
         poll(fds, 2, idle < BUSY_STEPS ? 0 : waiting ? 1 : -1);
+        if (resting)
+            b.port.rest(b.port.ctx, false);
         if (fds[0].revents & (POLLIN | POLLHUP) && usbredirparser_do_read(b.parser))
             die(EXIT_INTERNAL, "usbredir: the machine's messages cannot be read");
         if (usbredirparser_has_data_to_write(b.parser) && usbredirparser_do_write(b.parser))

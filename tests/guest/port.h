@@ -18,7 +18,8 @@ struct port {
     int (*setup)(void *ctx, const uint8_t setup[8]);
     int (*out)(void *ctx, uint8_t endpoint, const void *data, size_t bytes);
     int (*in)(void *ctx, uint8_t endpoint, void *data, size_t max);
-    void (*run)(void *ctx); /* time passes */
+    void (*run)(void *ctx);                /* time passes */
+    void (*rest)(void *ctx, bool resting); /* the bus is silent for now: an emulator need not run on */
 };
 
 /* The firmware in this process, on the simulated board, at high speed. */

@@ -144,6 +144,13 @@ static int in(void *ctx, uint8_t endpoint, void *data, size_t max)
     return (int)bytes;
 }
 
+static void rest(void *ctx, bool resting)
+{
+    const struct board *b = ctx;
+    if (b->pid)
+        kill(b->pid, resting ? SIGSTOP : SIGCONT);
+}
+
 struct port port_mailbox(const char *file, char **command)
 {
     struct board *b = xcalloc(1, sizeof *b);
@@ -154,5 +161,5 @@ struct port port_mailbox(const char *file, char **command)
         die(EXIT_FILE, "%s: %s; give the file that backs the board's external memory", file, strerror(errno));
     close(f);
     b->command = command;
-    return (struct port){b, false, plug, unplug, reset, setup, out, in, run};
+    return (struct port){b, false, plug, unplug, reset, setup, out, in, run, rest};
 }

@@ -47,11 +47,17 @@ static void run(void *ctx)
     sim_device_poll(ctx);
 }
 
+static void rest(void *ctx, bool resting)
+{
+    (void)ctx;
+    (void)resting;
+}
+
 struct port port_sim(void)
 {
     const struct sim_config config = {.format = RASTER_RGB888, .high_speed = true};
     struct sim_device *d = sim_device_create(&config);
     if (!d)
         die(EXIT_INTERNAL, "the simulated device does not start");
-    return (struct port){d, true, plug, unplug, reset, setup, out, in, run};
+    return (struct port){d, true, plug, unplug, reset, setup, out, in, run, rest};
 }
