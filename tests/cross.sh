@@ -1,22 +1,9 @@
 #!/usr/bin/env bash
 # The freestanding folders compile for every target with nothing but the compiler's own headers, link together, and ask
 # the run-time library for no more than design allows. TAP on stdout.
-set -u
 cd "$(dirname "$0")/.." || exit 1
+. tests/tap.sh
 . tests/targets.sh
-work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
-n=0
-
-# Prints one TAP line; problems is empty when the claim holds.
-claim() { # claim problems
-    n=$((n + 1))
-    if [ -z "$2" ]; then
-        echo "ok $n - $1"
-    else
-        echo "not ok $n - $1"
-        head -30 <<<"$2" | sed 's/^/# /'
-    fi
-}
 
 echo "1..$(($(wc -w <<<"$TARGETS") * 3 + 2))"
 for t in $TARGETS; do

@@ -1,20 +1,9 @@
 #!/usr/bin/env bash
 # What the compiler does not check: who may include what, words that have no place in freestanding code,
 # format, documents. TAP on stdout.
-set -u
 cd "$(dirname "$0")/.." || exit 1
+. tests/tap.sh
 CC=${CC:-cc}
-n=0
-
-claim() { # claim problems
-    n=$((n + 1))
-    if [ -z "$2" ]; then
-        echo "ok $n - $1"
-    else
-        echo "not ok $n - $1"
-        head -30 <<<"$2" | sed 's/^/# /'
-    fi
-}
 
 # The project's files: what git tracks or would track; in an unpacked archive, everything but the build.
 project_files() { # pattern...

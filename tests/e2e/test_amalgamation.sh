@@ -1,21 +1,10 @@
 #!/usr/bin/env bash
 # The library in two files: what it defines and asks for, and that its pictures are those of lut/ and raster/, on the host and on three
 # emulated boards. `make boards-build` compiles it, with one command and no include path, for five targets.
-set -u
 B=${B:-build}
+. tests/tap.sh
 . tests/targets.sh
-work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
 files=$B/amalgamation
-n=0
-claim() { # claim problems
-    n=$((n + 1))
-    if [ -z "$2" ]; then
-        echo "ok $n - $1"
-    else
-        echo "not ok $n - $1"
-        head -20 <<<"$2" | sed 's/^/# /'
-    fi
-}
 
 echo 1..16
 # Functions that goniotile.h declares; loops in assembly cannot be hidden.

@@ -1,20 +1,9 @@
 #!/usr/bin/env bash
 # The firmware on emulated boards: pictures, faults, the display of the smallest one, and that the template compiles.
 # `make boards-build` makes the programs.
-set -u
 B=${B:-build}
+. tests/tap.sh
 . tests/targets.sh
-work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
-n=0
-claim() { # claim problems
-    n=$((n + 1))
-    if [ -z "$2" ]; then
-        echo "ok $n - $1"
-    else
-        echo "not ok $n - $1"
-        head -20 <<<"$2" | sed 's/^/# /'
-    fi
-}
 
 echo 1..5
 problems=$(B=$B tests/board/boards.sh 2>&1 >"$work/table")

@@ -1,37 +1,23 @@
 #!/usr/bin/env bash
 # From an environment map to a picture on the simulated device: gtscene build --envmap, what it accepts and refuses.
-set -u
-cd "$(dirname "$0")/../.." || exit 1
+. tests/tap.sh
 B=${B:-build}
 G=$B/gtscene
-T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
-n=0
-
-ok() { # claim command...
-    local claim=$1
-    shift
-    n=$((n + 1))
-    if "$@" >"$T/log" 2>&1; then echo "ok $n - $claim"; else
-        echo "not ok $n - $claim"
-        sed 's/^/# /' "$T/log" | head -20
-    fi
-}
-skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
 
 # refused code pattern command...: that exit code, the pattern in one message on stderr, nothing on stdout, no file
 refused() {
     local code=$1 pattern=$2 got
     shift 2
-    "$@" >"$T/out" 2>"$T/err"
+    "$@" >"$work/out" 2>"$work/err"
     got=$?
-    cat "$T/err"
+    cat "$work/err"
     [ $got = "$code" ] || { echo "exit code $got, not $code"; return 1; }
-    [ "$(wc -l <"$T/err")" = 1 ] && grep -qE -e "$pattern" "$T/err" || { echo "no single message like: $pattern"; return 1; }
-    [ ! -s "$T/out" ] && [ ! -e "$T/x.blob" ] || { echo "output"; return 1; }
+    [ "$(wc -l <"$work/err")" = 1 ] && grep -qE -e "$pattern" "$work/err" || { echo "no single message like: $pattern"; return 1; }
+    [ ! -s "$work/out" ] && [ ! -e "$work/x.blob" ] || { echo "output"; return 1; }
 }
 
 # Radiance files of 64 x 32 pixels, without compression.
-cat >"$T/map.mjs" <<'JS'
+cat >"$work/map.mjs" <<'JS'
 import { writeFileSync } from 'node:fs';
 const [file, kind] = process.argv.slice(2), w = 64, h = 32, pixels = Buffer.alloc(4 * w * h);
 const put = (x, y, mantissas, exponent) => pixels.set([...mantissas, exponent], 4 * (y * w + x)); // m / 256 * 2^(exponent - 128)
@@ -43,8 +29,8 @@ for (let y = 0; y < h; y++)
     }
 writeFileSync(file, Buffer.concat([Buffer.from(`#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${h} +X ${w}\n`), pixels]));
 JS
-for kind in constant front sun black; do node "$T/map.mjs" "$T/$kind.hdr" $kind; done
-cat >"$T/sphere.json" <<'JSON'
+for kind in constant front sun black; do node "$work/map.mjs" "$work/$kind.hdr" $kind; done
+cat >"$work/sphere.json" <<'JSON'
 {
   "meshes": [{"name": "sphere", "shape": "sphere", "segments": 12}],
   "materials": [{"name": "white", "model": "lafortune_phong", "kd": [1, 1, 1]}],
@@ -56,66 +42,66 @@ cat >"$T/sphere.json" <<'JSON'
 JSON
 
 with_lights() { # number
-    sed 's/"lights": \[\]/"lights": ['"$(printf '{"direction": [0, 1, 0], "irradiance": [1, 1, 1]},%.0s' $(seq "$1") | sed 's/,$//')"']/' "$T/sphere.json"
+    sed 's/"lights": \[\]/"lights": ['"$(printf '{"direction": [0, 1, 0], "irradiance": [1, 1, 1]},%.0s' $(seq "$1") | sed 's/,$//')"']/' "$work/sphere.json"
 }
-with_lights 3 >"$T/three.json"
-with_lights 124 >"$T/many.json"
+with_lights 3 >"$work/three.json"
+with_lights 124 >"$work/many.json"
 
 build() { # map [options]
-    rm -f "$T/s.blob"
-    "$G" build "$T/sphere.json" -o "$T/s.blob" --no-lod --envmap "$T/$1.hdr" "${@:2}" && "$G" info "$T/s.blob" >"$T/info"
+    rm -f "$work/s.blob"
+    "$G" build "$work/sphere.json" -o "$work/s.blob" --no-lod --envmap "$work/$1.hdr" "${@:2}" && "$G" info "$work/s.blob" >"$work/info"
 }
 light_is() { # direction, irradiance: the mean direction of all lights, the sum of their irradiance; within 0.002
-    grep -E '^light' "$T/info"
+    grep -E '^light' "$work/info"
     awk -v want="$*" '/^light +[0-9]+ directional/ {
         gsub(/,/, "")
         for (i = 0; i < 3; i++) { sum[i + 4] += $(i + 9); sum[i + 1] += $(i + 5) * $9; }
         bright += $9 }
         END { split(want, w, " ")
         for (i = 1; i <= 6; i++) if ((sum[i] / (i <= 3 ? bright : 1) - w[i]) ^ 2 > 4e-6) exit 1
-        exit !bright }' "$T/info"
+        exit !bright }' "$work/info"
 }
 lights() {
-    grep -cE '^light +[0-9]+ directional' "$T/info"
+    grep -cE '^light +[0-9]+ directional' "$work/info"
 }
 bad() { # code pattern options...
     local code=$1 pattern=$2
     shift 2
-    refused "$code" "$pattern" "$G" build "$T/sphere.json" -o "$T/x.blob" "$@"
+    refused "$code" "$pattern" "$G" build "$work/sphere.json" -o "$work/x.blob" "$@"
 }
 
 # Four pixels of solid angle 0.00960: radiance 15.94, 8, 4.
-ok "what is bright in the map's centre shines from +z" eval 'build front && light_is 0 0 0.998 0.6132 0.3078 0.1539'
-ok "a map turned by 90 degrees shines from +x" eval 'build front --envmap-rotate 90 && light_is 0.998 0 0 0.6132 0.3078 0.1539'
-ok "a map turned by -90 degrees and twice as bright" eval 'build front --envmap-rotate -90 --envmap-scale 2 && light_is -0.998 0 0 1.2263 0.6156 0.3078'
-ok "as many lights as asked for, sixteen when not" eval 'build constant && [ "$(lights)" = 16 ] && build constant --envmap-lights 64 && [ "$(lights)" = 64 ] &&
+check "what is bright in the map's centre shines from +z" eval 'build front && light_is 0 0 0.998 0.6132 0.3078 0.1539'
+check "a map turned by 90 degrees shines from +x" eval 'build front --envmap-rotate 90 && light_is 0.998 0 0 0.6132 0.3078 0.1539'
+check "a map turned by -90 degrees and twice as bright" eval 'build front --envmap-rotate -90 --envmap-scale 2 && light_is -0.998 0 0 1.2263 0.6156 0.3078'
+check "as many lights as asked for, sixteen when not" eval 'build constant && [ "$(lights)" = 16 ] && build constant --envmap-lights 64 && [ "$(lights)" = 64 ] &&
     build constant --envmap-lights 4 && [ "$(lights)" = 4 ]'
-ok "two builds give the same bytes" eval 'build constant && cp "$T/s.blob" "$T/first" && build constant && cmp "$T/first" "$T/s.blob"'
+check "two builds give the same bytes" eval 'build constant && cp "$work/s.blob" "$work/first" && build constant && cmp "$work/first" "$work/s.blob"'
 
 # A surface under constant radiance r sends out r: 127.5.
 white() {
-    build constant --envmap-lights 64 && "$B/gtsim" render "$T/s.blob" --size 64x64 -o "$T/white.png" || return 1
-    node tests/e2e/read_image.mjs "$T/white.png" 32,32 12,32 52,32 32,12 32,52 20,20 44,44 | tee "$T/pixels"
-    awk '{ for (i = 1; i <= 3; i++) if ($i < 124 || $i > 131) bad = 1 } END { exit bad || NR != 7 }' "$T/pixels"
+    build constant --envmap-lights 64 && "$B/gtsim" render "$work/s.blob" --size 64x64 -o "$work/white.png" || return 1
+    node tests/e2e/read_image.mjs "$work/white.png" 32,32 12,32 52,32 32,12 32,52 20,20 44,44 | tee "$work/pixels"
+    awk '{ for (i = 1; i <= 3; i++) if ($i < 124 || $i > 131) bad = 1 } END { exit bad || NR != 7 }' "$work/pixels"
 }
-ok "64 lights of constant radiance 0.5 show a white sphere at 0.5 within 3 %, on the device" white
+check "64 lights of constant radiance 0.5 show a white sphere at 0.5 within 3 %, on the device" white
 real=${GONIOTILE_DATA:-../shared/data}/envmaps/studio_256.exr
 if [ -r "$real" ]; then
-    ok "a real map lights a scene beside its own lights" eval '"$G" build "$T/three.json" -o "$T/s.blob" --envmap "$real" --envmap-lights 9 &&
-        "$G" info "$T/s.blob" >"$T/info" && [ "$(lights)" = 12 ]'
+    check "a real map lights a scene beside its own lights" eval '"$G" build "$work/three.json" -o "$work/s.blob" --envmap "$real" --envmap-lights 9 &&
+        "$G" info "$work/s.blob" >"$work/info" && [ "$(lights)" = 12 ]'
 else
     skip "a real map lights a scene beside its own lights" "no $real"
 fi
 
-ok "no such map: 3" bad 3 'none.exr: No such file' --envmap "$T/none.exr"
-echo "not an image" >"$T/text.exr"
-ok "not an image: 4" bad 4 'text.exr: .*; give an intact image' --envmap "$T/text.exr"
-head -c 3000 "$T/constant.hdr" >"$T/cut.hdr"
-ok "a truncated map: 4" bad 4 'cut.hdr: .*; give an intact image' --envmap "$T/cut.hdr"
-ok "a black map: 4" bad 4 'black.hdr: black all over; give a map that holds light' --envmap "$T/black.hdr"
-ok "a light too bright for the blob: 4, and the scale that would do" eval 'bad 4 "irradiance of [0-9.]+, the limit is 256; give --envmap-scale [0-9.e-]+$" --envmap "$T/sun.hdr" &&
-    build sun --envmap-scale "$(sed "s/.* //" "$T/err")"'
-ok "more lights than a scene holds: 4" refused 4 '16 lights beside the scene.s 124, at most 128 fit' "$G" build "$T/many.json" -o "$T/x.blob" --envmap "$T/constant.hdr"
-ok "numbers out of range: 2" eval 'bad 2 "--envmap-lights: .65. is not a whole number from 4 to 64" --envmap-lights 65 && bad 2 "--envmap-lights" --envmap-lights 3 &&
+check "no such map: 3" bad 3 'none.exr: No such file' --envmap "$work/none.exr"
+echo "not an image" >"$work/text.exr"
+check "not an image: 4" bad 4 'text.exr: .*; give an intact image' --envmap "$work/text.exr"
+head -c 3000 "$work/constant.hdr" >"$work/cut.hdr"
+check "a truncated map: 4" bad 4 'cut.hdr: .*; give an intact image' --envmap "$work/cut.hdr"
+check "a black map: 4" bad 4 'black.hdr: black all over; give a map that holds light' --envmap "$work/black.hdr"
+check "a light too bright for the blob: 4, and the scale that would do" eval 'bad 4 "irradiance of [0-9.]+, the limit is 256; give --envmap-scale [0-9.e-]+$" --envmap "$work/sun.hdr" &&
+    build sun --envmap-scale "$(sed "s/.* //" "$work/err")"'
+check "more lights than a scene holds: 4" refused 4 '16 lights beside the scene.s 124, at most 128 fit' "$G" build "$work/many.json" -o "$work/x.blob" --envmap "$work/constant.hdr"
+check "numbers out of range: 2" eval 'bad 2 "--envmap-lights: .65. is not a whole number from 4 to 64" --envmap-lights 65 && bad 2 "--envmap-lights" --envmap-lights 3 &&
     bad 2 "--envmap-scale" --envmap-scale 0 && bad 2 "--envmap-rotate" --envmap-rotate 361'
 echo "1..$n"

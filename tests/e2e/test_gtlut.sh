@@ -1,31 +1,6 @@
 #!/usr/bin/env bash
 # gtlut's command line: what each subcommand writes, what it refuses, and how it says so.
-set -u
-cd "$(dirname "$0")/../.." || exit 1
-B=$(cd "${B:-build}" && pwd) || exit 1
-G=$B/gtlut
-DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
-T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
-READ_IMAGE=$PWD/tests/e2e/read_image.mjs
-cd "$T" || exit 1
-n=0
-
-ok() { # claim command...
-    local claim=$1
-    shift
-    n=$((n + 1))
-    if "$@" >log 2>&1; then echo "ok $n - $claim"; else
-        echo "not ok $n - $claim"
-        sed 's/^/# /' log | head -20
-    fi
-}
-skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
-
-# run command...: exit code 0 and nothing on stderr
-quiet() {
-    "$@" 2>quiet_err || { echo "exit code $?: $*"; cat quiet_err; return 1; }
-    [ ! -s quiet_err ] || { echo "stderr of $*:"; cat quiet_err; return 1; }
-}
+. tests/e2e/gtlut_common.sh
 
 # built arguments of gtlut build...: exit code 0, no message, but a report on stderr; it stays in built_err
 built() {
@@ -48,27 +23,6 @@ says() {
     grep -qE "^gtlut: [a-z]+: .*$pattern" says_err || { echo "no message like: $pattern"; cat says_err; return 1; }
 }
 
-# refused code pattern arguments of gtlut...: that exit code, one message with the pattern, nothing on stdout, no new file,
-# and a file of the output's name as it was
-refused() {
-    local code=$1 pattern=$2 got before after name
-    shift 2
-    for name in out.csv out.gtm out.ktx2 out.png out.exr; do echo keep >$name; done
-    before=$(ls -A)
-    "$G" "$@" >refused_out 2>refused_err
-    got=$?
-    rm -f refused_kept && for name in out.csv out.gtm out.ktx2 out.png out.exr; do
-        [ "$(cat $name 2>&1)" = keep ] || { echo "$name was changed by: $*"; return 1; }
-    done
-    [ $got = "$code" ] || { echo "exit code $got, not $code: $*"; cat refused_err; return 1; }
-    grep -qE "^gtlut: ([a-z]+: )?.*$pattern" refused_err || { echo "no message like '$pattern': $*"; cat refused_err; return 1; }
-    [ "$(wc -l <refused_err)" = 1 ] || { echo "not one line: $*"; cat refused_err; return 1; }
-    [ ! -s refused_out ] || { echo "output on stdout: $*"; return 1; }
-    after=$(ls -A)
-    [ "$(printf '%s\n' "$before" refused_out refused_err | sort -u)" = "$(printf '%s\n' "$after" refused_out refused_err | sort -u)" ] ||
-        { echo "left a file: $*"; echo "$after"; return 1; }
-}
-
 # --- help ---
 helps() {
     quiet "$G" --help >out && grep -q 'Usage: gtlut' out || return 1
@@ -78,14 +32,14 @@ helps() {
         quiet "$G" $s --help >out && grep -q "Usage: gtlut $s" out || return 1
     done
 }
-ok "help and version go to stdout with exit code 0, for every subcommand" helps
+check "help and version go to stdout with exit code 0, for every subcommand" helps
 
 # --- measure ---
 lists() {
     quiet "$G" measure --list >list || return 1
     [ "$(wc -l <list)" -ge 10 ] || { echo "fewer than 10 materials"; return 1; }
 }
-ok "measure --list names at least ten materials" lists
+check "measure --list names at least ten materials" lists
 
 measures_white() {
     quiet "$G" measure matte_white -o white.csv || return 1
@@ -94,7 +48,7 @@ measures_white() {
         { angles[$1]++; if ($2 > t) t = $2; if ($3 > p) p = $3; d = $4 * 3.14159265 / 0.8 - 1; if (d * d > 1e-12 || $4 != $6) bad++ }
         END { exit !(NR == 109440 && angles[0] == 27360 && angles[60] == 27360 && t == 75 && p == 359 && !bad) }'
 }
-ok "measure writes 4 x 76 x 360 directions; matte_white is 0.8/pi in each" measures_white
+check "measure writes 4 x 76 x 360 directions; matte_white is 0.8/pi in each" measures_white
 
 measures_noise() {
     quiet "$G" measure plastic_red --noise 2 --seed 7 -o a.csv && quiet "$G" measure plastic_red --noise 2 --seed 7 -o - >b.csv || return 1
@@ -104,7 +58,7 @@ measures_noise() {
     paste -d, a.csv d.csv | grep -v '^[#t]' | awk -F, '{ d = $4 / $10 - 1; s += d; ss += d * d }
         END { m = s / NR; r = sqrt(ss / NR); print m, r; exit !(m * m < 1e-6 && r > 0.0195 && r < 0.0205) }'
 }
-ok "measure --noise is Gaussian of that percentage, repeats with the seed and goes to stdout as to a file" measures_noise
+check "measure --noise is Gaussian of that percentage, repeats with the seed and goes to stdout as to a file" measures_noise
 
 conserves_energy() {
     local m
@@ -114,13 +68,13 @@ conserves_energy() {
         awk -v m="$m" '/^albedo/ { for (i = 5; i <= 7; i++) if ($i <= 0.01 || $i > 1) { print m, $0; bad = 1 } } END { exit bad }' out || return 1
     done
 }
-ok "no built-in material creates energy, not even the one narrower than the aperture" conserves_energy
+check "no built-in material creates energy, not even the one narrower than the aperture" conserves_energy
 
 measures_dense() {
     quiet "$G" measure matte_red --geometry dense -o dense.csv && built dense.csv --size 46x46 -o dense.ktx2 || return 1
     quiet "$G" info dense.ktx2 | grep -qx 'theta_in: 0 5 10 15 20 25 30 35 40 45 50 55 60 65 70 75 80 85'
 }
-ok "measure --geometry dense gives 18 angles of incidence" measures_dense
+check "measure --geometry dense gives 18 angles of incidence" measures_dense
 
 # --- import, build, info ---
 imports_csv() {
@@ -129,7 +83,7 @@ imports_csv() {
         grep -qx 'theta_in 60: theta_out 0..75 (76), phi_out 0..359 (360)' out || { cat out; return 1; }
     built white.gtm -o a.ktx2 && built white.csv -o b.ktx2 && cmp a.ktx2 b.ktx2
 }
-ok "import keeps a CSV as it is: the table is the same from either" imports_csv
+check "import keeps a CSV as it is: the table is the same from either" imports_csv
 
 builds() {
     quiet "$G" info a.ktx2 >out || return 1
@@ -142,13 +96,13 @@ builds() {
         grep -q '^texels: 91 x 46 x 4 ' out && grep -q 'p=0.2,l=0.3' out || return 1
     [ "$(stat -c %s a.ktx2)" -lt $((1045456 + 600)) ] && [ "$(stat -c %s small.ktx2)" -lt $((66976 + 600)) ]
 }
-ok "build writes 361 x 181 x 4 texels by default and any size on request" builds
+check "build writes 361 x 181 x 4 texels by default and any size on request" builds
 
 one_slice() {
     { echo theta_in,theta_out,phi_out,R,G,B; for t in 0 30 60 80; do echo "0,$t,0,0.1,0.2,0.3"; done; } >one.csv
     built one.csv --size 19x10 -o one.ktx2 && quiet "$G" info one.ktx2 | grep -qx 'goniotile.theta_max: 90000'
 }
-ok "a single slice makes a table for all angles of incidence" one_slice
+check "a single slice makes a table for all angles of incidence" one_slice
 
 reports() {
     { echo theta_in,theta_out,phi_out,R,G,B; for t in 0 30 60 80; do echo "0,$t,0,7e4,-2,0.3"; done; } >hot.csv
@@ -156,7 +110,7 @@ reports() {
     says 'texels above 65408 1/sr clipped, the largest 70000' "$G" build hot.gtm -o hot.ktx2 || return 1
     says 'theta_in 0: albedo .* above 1' "$G" build hot.gtm -o hot.ktx2 && [ -s hot.ktx2 ]
 }
-ok "negative, clipped and energy-creating values are reported and go on" reports
+check "negative, clipped and energy-creating values are reported and go on" reports
 
 imports_rgl() {
     local f=$DATA/brdf/$1_rgb.bsdf
@@ -173,7 +127,7 @@ imports_rgl() {
     refused 4 'truncated' import cut.bsdf -o out.gtm
 }
 if [ -r "$DATA/brdf/paper_white_rgb.bsdf" ]; then
-    ok "import evaluates a real material, at the instrument's angles and densely; a cut file is refused" imports_rgl paper_white
+    check "import evaluates a real material, at the instrument's angles and densely; a cut file is refused" imports_rgl paper_white
 else
     skip "import evaluates a real material" "no data folder"
 fi
@@ -192,7 +146,7 @@ half_vector() {
         END { exit bad || n != 6 }' out || return 1
     holds "$(figure 'mean dE') < 0.2 && $(figure 'PSNR') > 50 && $(figure 'table') < 1e-9"
 }
-ok "build --kind half_vector fits a reciprocal table of 64 KB to a measurement" half_vector
+check "build --kind half_vector fits a reciprocal table of 64 KB to a measurement" half_vector
 
 half_vector_sizes() {
     local size bytes
@@ -205,7 +159,7 @@ half_vector_sizes() {
     [ "$(sed -n 's/^theta_h: //p' out | wc -w)" = 21 ] && [ "$(sed -n 's/^theta_d: //p' out | wc -w)" = 16 ] || return 1
     sed -nE 's/^theta_[hd]: //p' out | awk '{ if ($1 != 0 || $NF < 89) bad = 1; for (i = 2; i <= NF; i++) if ($i < $(i - 1)) bad = 1 } END { exit bad }'
 }
-ok "build --size gives a half-vector table the bytes or nodes asked for" half_vector_sizes
+check "build --size gives a half-vector table the bytes or nodes asked for" half_vector_sizes
 
 half_vector_sources() {
     built hv.ktx2 --size 4K -o again.ktx2 && quiet "$G" info again.ktx2 | grep -qx 'kind: table, half vector' || return 1
@@ -213,7 +167,7 @@ half_vector_sources() {
     built a.ktx2 --size 4K -o again.ktx2 && quiet "$G" info again.ktx2 | grep -qx 'kind: table, half vector' || return 1
     built a.ktx2 --size 4K -o - >stdout.ktx2 && cmp stdout.ktx2 again.ktx2
 }
-ok "a table of either kind is built anew as a half-vector table; the same input gives the same bytes" half_vector_sources
+check "a table of either kind is built anew as a half-vector table; the same input gives the same bytes" half_vector_sources
 
 # 7e4 is more than a texel holds
 half_vector_scales() {
@@ -221,7 +175,7 @@ half_vector_scales() {
     ! grep clipped built_err && quiet "$G" info hot.ktx2 >out && grep -qxE 'scale: [1-9]' out || { cat built_err out; return 1; }
     holds "$(sed -nE 's/^albedo at theta_in 40: ([0-9.]+) .*/\1/p' out) / 3.14159265 / 70000 > 0.9"
 }
-ok "values beyond RGB9_E5 are scaled, not clipped, in a half-vector table" half_vector_scales
+check "values beyond RGB9_E5 are scaled, not clipped, in a half-vector table" half_vector_scales
 
 fits() {
     local f=$DATA/brdf/merl_sgd.csv
@@ -230,7 +184,7 @@ fits() {
     refused 4 'no-such-paint' build "$f:no-such-paint" -o out.ktx2
 }
 if [ -r "$DATA/brdf/merl_sgd.csv" ]; then
-    ok "FITS.csv:NAME builds one material of a table of fits" fits
+    check "FITS.csv:NAME builds one material of a table of fits" fits
 else
     skip "FITS.csv:NAME builds one material of a table of fits" "no data folder"
 fi
@@ -245,7 +199,7 @@ packed() {
     [ $(($(stat -c %s packed.ktx2) - $(stat -c %s plain.ktx2))) -ge "$bytes" ] || return 1
     cmp <(tail -c $((4 * 32 * 24 * 5)) plain.ktx2) <(tail -c $((4 * 32 * 24 * 5)) packed.ktx2)
 }
-ok "build --packed adds the re-packed copy and changes no texel" packed
+check "build --packed adds the re-packed copy and changes no texel" packed
 
 max_de() {
     local smaller
@@ -256,7 +210,7 @@ max_de() {
     "$G" measure plastic_red -o plastic.csv && built plastic.csv --size 91x46 -o plain.ktx2 || return 1
     refused 11 'max-de: 0.001 is not reached, the smallest mean dE is [0-9.e-]+ at 256K' build plain.ktx2 --max-de 0.001 -o out.ktx2
 }
-ok "build --max-de takes the smallest size that meets it; when none does, exit code 11 and no file" max_de
+check "build --max-de takes the smallest size that meets it; when none does, exit code 11 and no file" max_de
 
 swaps() {
     local plain
@@ -265,7 +219,7 @@ swaps() {
     built plastic.csv --size 91x46 --swap -o swap.ktx2 && quiet "$G" info swap.ktx2 >out || return 1
     grep -qx 'swap: yes' out && grep -qx 'goniotile.swap: 1' out && holds "$(figure 'mean dE') < $plain && $(figure 'table') < 1e-9"
 }
-ok "build --swap makes a specular frame reciprocal and closer to its source" swaps
+check "build --swap makes a specular frame reciprocal and closer to its source" swaps
 
 reads_json() { # file expression: the JSON parses and the expression on `x` is true
     node -e "const x = JSON.parse(require('fs').readFileSync('$1')); if (!($2)) { console.log(JSON.stringify(x)); process.exit(1) }"
@@ -282,7 +236,7 @@ json() {
     quiet "$G" info white.gtm --json >out && reads_json out "x.kind == 'measurement' && x.points == 109440 && x.slices.length == 4"
 }
 if command -v node >/dev/null; then
-    ok "build and info write JSON that says the same" json
+    check "build and info write JSON that says the same" json
 else
     skip "build and info write JSON" "no node"
 fi
@@ -308,7 +262,7 @@ half_vector_refusals() {
     refused 3 'missing.csv:gold: No such file' build missing.csv:gold -o out.ktx2 || return 1
     refused 3 'none/out.ktx2: No such file' build hv.ktx2 --size 1K -o none/out.ktx2
 }
-ok "options out of range or of the other kind are refused before anything is written" half_vector_refusals
+check "options out of range or of the other kind are refused before anything is written" half_vector_refusals
 
 # patched key offset octal: a copy of hv.ktx2 with one byte of a key's value changed
 patched() {
@@ -328,7 +282,7 @@ damaged_tables() {
         head -c -4 hv.ktx2 >damaged.ktx2 && refused 4 'damaged.ktx2: ' $s || return 1
     done
 }
-ok "half-vector tables with damaged metadata are refused with exit code 4" damaged_tables
+check "half-vector tables with damaged metadata are refused with exit code 4" damaged_tables
 
 # --- export ---
 png_size() { od -An -tu1 -j16 -N8 "$1" | awk '{ print ($3 * 256 + $4) "x" ($7 * 256 + $8) }'; }
@@ -338,14 +292,14 @@ exports() {
     quiet "$G" export a.ktx2 --exposure 3.2 -o bright.png && ! cmp -s a.png bright.png || return 1
     quiet "$G" export a.ktx2 -o a.exr && [ "$(od -An -tx1 -N4 a.exr | tr -d ' ')" = 762f3101 ]
 }
-ok "export arranges the slices as PNG and EXR" exports
+check "export arranges the slices as PNG and EXR" exports
 
 # 12 planes of 2 x 8 texels: ceil(sqrt(12 * 8 / 2)) = 7 columns, 2 rows
 exports_half_vector() {
     built hv.ktx2 --size 8x12x2 -o planes.ktx2 && quiet "$G" export planes.ktx2 -o planes.png && [ "$(png_size planes.png)" = 14x16 ] || return 1
     quiet "$G" export planes.ktx2 -o planes.exr
 }
-ok "export arranges the planes of a half-vector table" exports_half_vector
+check "export arranges the planes of a half-vector table" exports_half_vector
 
 # Five slices, each of one colour, exact in RGB9_E5: 3 x 2 images of 7 x 5 pixels, the last one empty.
 exports_values() {
@@ -359,7 +313,7 @@ exports_values() {
         printf '%s 188 255\n' 0 137 188 225 255 >want && echo 0 0 0 >>want && diff out want
 }
 if command -v node >/dev/null; then
-    ok "exported pixels are the table's values, linear in EXR, exposed and sRGB-encoded in PNG, slices row by row" exports_values
+    check "exported pixels are the table's values, linear in EXR, exposed and sRGB-encoded in PNG, slices row by row" exports_values
 else
     skip "exported pixels are the table's values" "no node"
 fi
@@ -367,13 +321,13 @@ fi
 without_shim() {
     mkdir -p bin && cp "$G" bin/ || return 1
     local keep=$G
-    G=$T/bin/gtlut
+    G=$work/bin/gtlut
     refused 3 'goniotile_oiio.so.*run .make' export a.ktx2 -o out.png
     local code=$?
     G=$keep
     return $code
 }
-ok "export without its OpenImageIO part says so" without_shim
+check "export without its OpenImageIO part says so" without_shim
 
 # --- refusals ---
 usage() {
@@ -399,7 +353,7 @@ usage() {
     refused 2 "--exposure: '0'" export a.ktx2 --exposure 0 -o out.png || return 1
     refused 2 "'out.jpg' does not end in" export a.ktx2 -o out.jpg && refused 2 "'out' does not end in" export a.ktx2 -o out
 }
-ok "wrong arguments and options out of range are refused with exit code 2, naming the range" usage
+check "wrong arguments and options out of range are refused with exit code 2, naming the range" usage
 
 files() {
     refused 3 'missing: No such file' import missing -o out.gtm && refused 3 'missing: No such file' build missing -o out.ktx2 || return 1
@@ -409,7 +363,7 @@ files() {
     mkdir -p folder.ktx2 && refused 3 'folder.ktx2: Is a directory' build one.csv -o folder.ktx2 || return 1
     refused 3 'Is a directory' build . -o out.ktx2
 }
-ok "unreadable input and unwritable output are refused with exit code 3" files
+check "unreadable input and unwritable output are refused with exit code 3" files
 
 foreign() {
     local f
@@ -432,7 +386,7 @@ foreign() {
     refused 4 'is (csv|not an RGL file), not rgl' import white.csv --format rgl -o out.gtm || return 1
     truncate -s 80M big && refused 4 'big: longer than the limit' export big -o out.png
 }
-ok "truncated, damaged, oversized and foreign files are refused with exit code 4" foreign
+check "truncated, damaged, oversized and foreign files are refused with exit code 4" foreign
 
 malformed() {
     head -2000 white.csv | sed '1000s/,[^,]*$/,x/' >bad.csv
@@ -444,6 +398,6 @@ malformed() {
     grep -v '^20,' white.csv >uneven.csv
     refused 4 'theta_in 40 stands where equal steps from 0 to 60 want 30' build uneven.csv -o out.ktx2
 }
-ok "malformed CSV is refused naming the line, an irregular grid naming the direction" malformed
+check "malformed CSV is refused naming the line, an irregular grid naming the direction" malformed
 
-echo "1..$n"
+echo 1..$n

@@ -1,24 +1,6 @@
 #!/usr/bin/env bash
 # gtlut check and fit: the command line of what tests/unit/test_check.c and test_fit.c prove.
-set -u
-cd "$(dirname "$0")/../.." || exit 1
-B=$(cd "${B:-build}" && pwd) || exit 1
-G=$B/gtlut
-DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
-T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
-cd "$T" || exit 1
-n=0
-
-ok() { # claim command...
-    local claim=$1
-    shift
-    n=$((n + 1))
-    if "$@" >log 2>&1; then echo "ok $n - $claim"; else
-        echo "not ok $n - $claim"
-        sed 's/^/# /' log | head -20
-    fi
-}
-skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
+. tests/e2e/gtlut_common.sh
 
 # sound file: exit code 0 and no line that is wanting
 sound() {
@@ -36,16 +18,6 @@ wanting() {
     grep -qE "^WANTING +$subject +.*$pattern" wanting_out || { echo "no $subject like $pattern: check $*"; cat wanting_out; return 1; }
 }
 
-# refused code pattern arguments of gtlut...
-refused() {
-    local code=$1 pattern=$2 got
-    shift 2
-    "$G" "$@" >refused_out 2>refused_err
-    got=$?
-    [ $got = "$code" ] || { echo "exit code $got, not $code: $*"; cat refused_err; return 1; }
-    grep -qE "^gtlut: ([a-z]+: )?.*$pattern" refused_err || { echo "no message like '$pattern': $*"; cat refused_err; return 1; }
-}
-
 "$G" measure plastic_yellow -o y.csv || exit 1
 edit() { awk -F, -v OFS=, "/^[0-9]/ { $1 } { print }" y.csv; }
 
@@ -56,7 +28,7 @@ passes() {
     done
     sound - <y.csv
 }
-ok "no fault is found in any material of the virtual instrument" passes
+check "no fault is found in any material of the virtual instrument" passes
 
 finds() {
     edit '$2 == 30 && $3 == 200 && $1 == 40 { }' >/dev/null
@@ -73,7 +45,7 @@ finds() {
     edit 'if ($1 > 0 && ($2 - $1) ^ 2 + (($3 > 180 ? 360 - $3 : $3) * sin($1 * 0.01745)) ^ 2 < 25) $4 = $5 = $6 = 0' >bad.csv
     wanting blind_spot '[45]\.[0-9] degrees around the light hold nothing' bad.csv
 }
-ok "gaps, doubles, NaN, negative values, outliers, too much energy, broken reciprocity and the blind spot are found" finds
+check "gaps, doubles, NaN, negative values, outliers, too much energy, broken reciprocity and the blind spot are found" finds
 
 cosines() {
     edit 'c = cos($2 * 0.01745329252); $4 *= c; $5 *= c; $6 *= c' >times.csv
@@ -89,7 +61,7 @@ cosines() {
     # the same table but for the last bit of a few texels
     cmp -l <(tail -c 30000 y.ktx2) <(tail -c 30000 times.ktx2) | awk '{ n++ } END { print n + 0, "bytes differ"; exit n > 300 }'
 }
-ok "a cosine too much or too little is told apart and undone by --repair" cosines
+check "a cosine too much or too little is told apart and undone by --repair" cosines
 
 cosines_real() {
     local m
@@ -99,7 +71,7 @@ cosines_real() {
     done
 }
 if [ -r "$DATA/brdf/paper_white_rgb.bsdf" ]; then
-    ok "real materials are taken for the BRDFs that they are" cosines_real
+    check "real materials are taken for the BRDFs that they are" cosines_real
 else
     skip "real materials are taken for the BRDFs that they are" "no data folder"
 fi
@@ -114,7 +86,7 @@ repairs() {
     refused 2 'no output file; give -o' check y.csv --repair && refused 2 '-o: only with --repair' check y.csv -o x.gtm || return 1
     refused 2 'stdout holds the JSON' check y.csv --json --repair -o -
 }
-ok "--repair writes a measurement without the faults, filled samples marked" repairs
+check "--repair writes a measurement without the faults, filled samples marked" repairs
 
 as_json() {
     "$G" check y.csv --json >good.json 2>err || { cat err; return 1; }
@@ -125,7 +97,7 @@ as_json() {
             b.wanting.includes("quantity") && b.quantity == "times_cosine" && Math.abs(b.exponent - 1) < 0.1;
         if (!ok) { console.log(a, b); process.exit(1) }'
 }
-if command -v node >/dev/null; then ok "--json says the same" as_json; else skip "--json says the same" "no node"; fi
+if command -v node >/dev/null; then check "--json says the same" as_json; else skip "--json says the same" "no node"; fi
 
 plots() {
     "$G" check bad.csv --plot page.svg >/dev/null 2>err
@@ -135,19 +107,18 @@ plots() {
         grep -q "$text" page.svg || { echo "no '$text' on the page"; return 1; }
     done
     mkdir -p "it's" && "$G" check y.csv --plot "it's" >/dev/null && [ -s "it's/check.svg" ] || return 1
-    refused 2 "'page.png' is neither a folder nor" check y.csv --plot page.png || return 1
-    refused 3 'none/p.svg: No such file' check y.csv --plot none/p.svg || return 1
+    no_page 2 "'page.png' is neither a folder nor" page.png || return 1
+    no_page 3 'none/p.svg: No such file' none/p.svg || return 1
     mkdir -p no_gnuplot && for c in sh head; do ln -sf "$(command -v $c)" no_gnuplot/; done
-    PATH=$PWD/no_gnuplot refused_path 3 'install gnuplot' || return 1
-    [ ! -e kept.svg ]
+    PATH=$PWD/no_gnuplot no_page 3 'install gnuplot' kept.svg && [ ! -e kept.svg ]
 }
-refused_path() { # as refused, with the caller's PATH for gtlut only
-    "$G" check y.csv --plot kept.svg >refused_out 2>refused_err
+no_page() { # code message file: the report, but no page; with the caller's PATH for gtlut only
+    "$G" check y.csv --plot "$3" >refused_out 2>refused_err
     local got=$? text
     text=$(<refused_err)
     [ $got = "$1" ] && [[ $text == *"$2"* ]] || { echo "exit code $got: $text"; return 1; }
 }
-if command -v gnuplot >/dev/null; then ok "--plot draws a page, into a folder too" plots; else skip "--plot draws a page" "no gnuplot"; fi
+if command -v gnuplot >/dev/null; then check "--plot draws a page, into a folder too" plots; else skip "--plot draws a page" "no gnuplot"; fi
 
 usage() {
     refused 2 '0 arguments where one' check && refused 2 'unknown option' check y.csv --melt || return 1
@@ -158,7 +129,7 @@ usage() {
     refused 2 'no model; give --model' fit y.csv && refused 2 "--model: 'x' is not" fit y.csv --model x || return 1
     refused 2 'leave it out' fit y.csv --model ggx -o x && refused 4 'no samples' fit /dev/null --model ggx
 }
-ok "wrong arguments are refused, limits are obeyed, help is given" usage
+check "wrong arguments are refused, limits are obeyed, help is given" usage
 
 # One model's fit goes into a scene as it is printed.
 fits() {
@@ -177,6 +148,6 @@ S
     done
     "$G" fit y.csv --model ggx --json | grep -q '"material": {"name": "y", "model": "metallic_roughness"'
 }
-ok "fit prints a material that a scene takes, the same every time; GGX comes nearest to a GGX plastic" fits
+check "fit prints a material that a scene takes, the same every time; GGX comes nearest to a GGX plastic" fits
 
-echo "1..$n"
+echo 1..$n

@@ -1,43 +1,6 @@
 #!/usr/bin/env bash
 # gtlut formats and import: every format through the command line, and what is refused.
-set -u
-cd "$(dirname "$0")/../.." || exit 1
-B=$(cd "${B:-build}" && pwd) || exit 1
-G=$B/gtlut
-DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
-T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
-cd "$T" || exit 1
-n=0
-
-ok() { # claim command...
-    local claim=$1
-    shift
-    n=$((n + 1))
-    if "$@" >log 2>&1; then echo "ok $n - $claim"; else
-        echo "not ok $n - $claim"
-        sed 's/^/# /' log | head -20
-    fi
-}
-
-skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
-
-# quiet command...: exit code 0 and nothing on stderr
-quiet() {
-    "$@" 2>quiet_err || { echo "exit code $?: $*"; cat quiet_err; return 1; }
-    [ ! -s quiet_err ] || { echo "stderr of $*:"; cat quiet_err; return 1; }
-}
-
-# refused code pattern arguments of gtlut...: that exit code, a message with the pattern, and no output file
-refused() {
-    local code=$1 pattern=$2 got
-    shift 2
-    rm -f out.gtm
-    "$G" "$@" >refused_out 2>refused_err
-    got=$?
-    [ $got = "$code" ] || { echo "exit code $got, not $code: $*"; cat refused_err; return 1; }
-    grep -qE "^gtlut: ([a-z]+: )?.*$pattern" refused_err || { echo "no message like '$pattern': $*"; cat refused_err; return 1; }
-    [ ! -s refused_out ] && [ ! -e out.gtm ] || { echo "output from: $*"; return 1; }
-}
+. tests/e2e/gtlut_common.sh
 
 # The values of a measurement's theta_in, as gtlut info sums them up.
 values() { "$G" info "$1" | sed -n 's/^values: //p'; }
@@ -52,7 +15,7 @@ lists() {
     command -v node >/dev/null || return 0
     node -e 'const a = JSON.parse(require("fs").readFileSync("out")); process.exit(a.length == 10 && a[1].name == "rgl" && a[1].evaluated ? 0 : 1)'
 }
-ok "formats lists ten formats, as text and as JSON" lists
+check "formats lists ten formats, as text and as JSON" lists
 
 quiet "$G" measure satin_green -o a.csv && quiet "$G" import a.csv -o a.gtm || exit 1
 
@@ -67,7 +30,7 @@ imports_astm() {
     refused 4 'is astm, not csv' import a.astm --format csv -o out.gtm || return 1
     head -c 1000000 a.astm >cut.astm && refused 4 'NUM_POINTS says|numbers where' import cut.astm -o out.gtm
 }
-ok "an ASTM file of the same samples makes the same table" imports_astm
+check "an ASTM file of the same samples makes the same table" imports_astm
 
 # A diffuse surface on scattered directions, spectral.
 imports_cornell() {
@@ -82,7 +45,7 @@ imports_cornell() {
     "$G" import c.brdf --geometry dense -o c.gtm 2>/dev/null && "$G" info c.gtm | grep -qx 'points: 576720' || return 1
     refused 2 "--illuminant: 'F11' is not D65, E or A" import c.brdf --illuminant F11 -o out.gtm
 }
-ok "scattered spectral samples are resampled, said so, and marked where they end" imports_cornell
+check "scattered spectral samples are resampled, said so, and marked where they end" imports_cornell
 
 imports_zemax() {
     { echo '#test'; printf 'Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nSampleRotation 1\n0\n'
@@ -92,7 +55,7 @@ imports_zemax() {
     [ "$(values z.gtm)" = '0.1..0.1 1/sr' ] || { values z.gtm; return 1; }
     sed '$d' z.bsdf >cut.bsdf && refused 4 'where DataEnd is wanted' import cut.bsdf -o out.gtm
 }
-ok "a Zemax file is told from an RGL one of the same extension and resampled" imports_zemax
+check "a Zemax file is told from an RGL one of the same extension and resampled" imports_zemax
 
 # A constant 0.5/pi in the scales of the format.
 imports_merl() {
@@ -104,7 +67,7 @@ imports_merl() {
     [ "$(values m.gtm)" = '0.15915..0.15915 1/sr' ] || { values m.gtm; return 1; }
     head -c 20000000 m.binary >cut.binary && refused 4 '20000000 bytes where this format has 34992012' import cut.binary -o out.gtm
 }
-ok "a MERL file comes back in its scales" imports_merl
+check "a MERL file comes back in its scales" imports_merl
 
 "$G" build a.gtm --size 181x91 -o a.ktx2 2>/dev/null && "$G" build a.gtm --kind half_vector --size 16K -o h.ktx2 2>/dev/null || exit 1
 
@@ -123,7 +86,7 @@ imports_tables() {
     grep -q '"extrapolated": 160200,' out || { echo "not the 5 x 89 x 360 samples beyond 60 degrees"; grep -o '"extrapolated": [0-9]*' out; return 1; }
     head -c 30000 a.ktx2 >cut.ktx2 && refused 4 'build the table again' import cut.ktx2 -o out.gtm
 }
-ok "tables of both kinds come back as measurements, marked beyond their last angle of incidence" imports_tables
+check "tables of both kinds come back as measurements, marked beyond their last angle of incidence" imports_tables
 
 imports_composite() {
     quiet "$G" export a.ktx2 -o a.exr && quiet "$G" import a.exr --axes 181x91x4 --theta-max 60 -o e.gtm || return 1
@@ -139,7 +102,7 @@ imports_composite() {
         head -c $bytes a.exr >cut.exr && refused 4 'give an intact image' import cut.exr --axes 181x91x4 -o out.gtm || return 1
     done
 }
-ok "a composite image comes back as its table does, to the bit; cut images and wrong axes are refused" imports_composite
+check "a composite image comes back as its table does, to the bit; cut images and wrong axes are refused" imports_composite
 
 fills() {
     # an arm that hides 5 degrees around the light
@@ -152,20 +115,20 @@ fills() {
     "$G" import a.csv --fill-blind-spot -o f.gtm 2>err && grep -q 'no blind spot found' err || { cat err; return 1; }
     cmp a.gtm f.gtm
 }
-ok "import --fill-blind-spot interpolates across the spot, says so and marks it; without spot nothing changes" fills
+check "import --fill-blind-spot interpolates across the spot, says so and marks it; without spot nothing changes" fills
 
 resamples_csv() {
     grep -v '^40,30,' a.csv | sed '/^20,29,17,/d' >hole.csv
     "$G" import hole.csv --geometry minidiff -o h.gtm 2>err && grep -q 'resampled to the directions of minidiff' err || { cat err; return 1; }
     "$G" info h.gtm | grep -qx 'points: 109440' && "$G" check h.gtm >out || { cat out; return 1; }
 }
-ok "a CSV with holes is resampled when --geometry asks for it" resamples_csv
+check "a CSV with holes is resampled when --geometry asks for it" resamples_csv
 
 imports_sgd() {
     quiet "$G" import "$DATA/brdf/merl_sgd.csv:gold-paint" -o s.gtm && "$G" info s.gtm | grep -qx 'points: 109440' || return 1
     refused 4 'no-such-material' import "$DATA/brdf/merl_sgd.csv:no-such-material" -o out.gtm
 }
-if [ -r "$DATA/brdf/merl_sgd.csv" ]; then ok "one material of a table of fits is imported by its name" imports_sgd
+if [ -r "$DATA/brdf/merl_sgd.csv" ]; then check "one material of a table of fits is imported by its name" imports_sgd
 else skip "one material of a table of fits is imported by its name" "no data folder"; fi
 
 foreign() {
@@ -175,6 +138,6 @@ foreign() {
     refused 3 'missing: No such file' import missing -o out.gtm || return 1
     refused 2 "--format: 'x' is no format; see gtlut formats" import a.csv --format x -o out.gtm
 }
-ok "files of no format are refused" foreign
+check "files of no format are refused" foreign
 
-echo "1..$n"
+echo 1..$n

@@ -57,12 +57,6 @@ same() { # who hash expected
     [ -n "$2" ] && [ "$2" = "$3" ] || echo "$1: hash ${2:-missing}, not $3"
 }
 
-claim() { # claim problems
-    echo "$2" >"$work/problems"
-    [ -z "$2" ]
-    ok $? "$1" "$work/problems"
-}
-
 identity() { # name scene size format model option...
     local name=$1 scene=$2 size=$3 format=$4 model=$5 expected program hash problems= threads
     shift 5

@@ -1,22 +1,7 @@
 #!/usr/bin/env bash
 # `make install` into an empty folder: what is installed works from there, without the source tree.
-set -u
-B=${B:-build}
-B=$(cd "$B" && pwd) || exit 1
-work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
-n=0
-
-check() { # claim command...
-    n=$((n + 1))
-    local claim=$1
-    shift
-    if "$@" >"$work/log" 2>&1; then
-        echo "ok $n - $claim"
-    else
-        echo "not ok $n - $claim"
-        sed 's/^/# /' "$work/log"
-    fi
-}
+. tests/tap.sh
+B=$(cd "${B:-build}" && pwd) || exit 1
 
 echo 1..7
 root=$work/root

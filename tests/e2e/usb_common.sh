@@ -1,35 +1,13 @@
 # For the tests of gtusb and gtsim: TAP lines, a scratch folder, the tools on the PATH, a small table.
 # Sourced, from the repository's root. The demo's scene and tables come from `make demo-data`.
-set -u
+. tests/tap.sh
 B=$(cd "${B:-build}" && pwd) || exit 1
 DEMO=$B/demo
 PATH=$B:$PATH
-work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
 export B DEMO PATH work
-n=0
 
 ok() { # status claim [file to show on failure]...
-    local status=$1 claim=$2
-    shift 2
-    n=$((n + 1))
-    if [ "$status" = 0 ]; then
-        echo "ok $n - $claim"
-    else
-        echo "not ok $n - $claim"
-        for f in "$@"; do sed "s|^|# ${f##*/}: |" "$f" | head -20; done
-    fi
-}
-
-skip() { # claim why
-    n=$((n + 1))
-    echo "ok $n - $1 # SKIP $2"
-}
-
-check() { # claim command...
-    local claim=$1
-    shift
-    "$@" >"$work/log" 2>&1
-    ok $? "$claim" "$work/log"
+    claim "$2" "$([ "$1" = 0 ] || { echo "status $1" && for f in "${@:3}"; do sed "s|^|${f##*/}: |" "$f" | head -20; done; })"
 }
 
 # The command ends with this exit code; stdout and stderr, whole, match these extended regular expressions ("" = empty).
