@@ -22,6 +22,7 @@ static const char help[] =
     "  info FILE                     describe a measurement or a table\n"
     "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
     "  fit FILE --model NAME         the analytic material that comes nearest to a measurement\n"
+    "  preview INPUT -o FOLDER|FILE  pictures: lobe, plots, slices, a sphere under an environment, contact sheet\n"
     "\n"
     "'gtlut SUBCOMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file cannot be read or written,\n"
     "4 bad input file, 11 found wanting (check, --max-de not reached).\n"
@@ -66,7 +67,7 @@ int main(int argc, char **argv)
         int (*run)(int argc, char **argv);
     } subcommands[] = {{"measure", gtlut_measure}, {"import", gtlut_import}, {"build", gtlut_build},
                        {"info", gtlut_info},       {"export", gtlut_export}, {"formats", gtlut_formats},
-                       {"check", gtlut_check},     {"fit", gtlut_fit}};
+                       {"check", gtlut_check},     {"fit", gtlut_fit},       {"preview", gtlut_preview}};
     common_set_name("gtlut", NULL);
     if (argc < 2)
         die(EXIT_USAGE, "no subcommand; see gtlut --help");

@@ -14,6 +14,7 @@ int gtlut_export(int argc, char **argv);
 int gtlut_formats(int argc, char **argv);
 int gtlut_check(int argc, char **argv);
 int gtlut_fit(int argc, char **argv);
+int gtlut_preview(int argc, char **argv);
 
 /* getopt_long for "-o FILE" and long options. Prints `help` and exits on --help; dies with EXIT_USAGE on an unknown option or
  * a missing value. Returns -1 at the end. */

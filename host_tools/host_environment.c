@@ -9,8 +9,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* How far apart (radians) directions may be that count as one, at coarseness 1: `nearest` plus this share of the half vector's angle
- * to the normal, twice as much between outgoing directions as between half vectors. */
+/* How far apart (radians) directions may be that count as one: `nearest` plus this share of the half vector's angle to the normal,
+ * twice as much between outgoing directions as between half vectors. All but `nearest` times the coarseness: narrow lobes need it. */
 static const double share = 0.1, nearest = 0.001, farthest = 0.07, at_horizon = 0.02;
 enum { SPLIT = 16 }; /* parts along each side that a pixel is cut into at most */
 
@@ -226,9 +226,9 @@ static double tolerance(const struct point *p, const double l[3])
 {
     double h[3] = {l[0] + p->v[0], l[1] + p->v[1], l[2] + p->v[2]}, length = sqrt(dot(h, h));
     if (length < 1e-6)
-        return farthest;
+        return p->coarseness * farthest;
     double off = hypot(h[0], h[1]) / length, difference = fmax(length / 2, 0.1); /* cosine of the difference angle */
-    return fmin(2 * difference * (share * off + nearest), farthest);
+    return fmin(2 * difference * (p->coarseness * share * off + nearest), p->coarseness * farthest);
 }
 
 static void add_pixel(struct point *p, const struct environment_node *n, int parts)
@@ -254,8 +254,7 @@ static void add_node(struct point *p, uint32_t index)
         return;
     double radius = n->radius * n->fineness, allowed = tolerance(p, l);
     if (fabs(l[2]) < sin(fmin(n->radius, pi / 2)))
-        allowed = fmin(allowed, at_horizon);
-    allowed *= p->coarseness;
+        allowed = fmin(allowed, p->coarseness * at_horizon);
     if (radius <= allowed) {
         to_local(mean, p, n->moment);
         add_light(p, l, mean[2], n->power, 1);

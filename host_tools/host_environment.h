@@ -42,8 +42,8 @@ double environment_solid_angle(const struct environment *e, int row);
  * bright. Near the mirror direction pixels are split instead. Hierarchy as in Walter et al. 2005, "Lightcuts: a scalable approach to
  * illumination".
  *
- * coarseness: 1 for figures, error mostly below 0.3 % (chrome 1 %), 1000 to 3000 evaluations of f; 2 for pictures, about a third of the
- * evaluations, 1 %. Deterministic; may be called from several threads when f may.
+ * coarseness: 1 for figures, error mostly below 0.3 % (chrome 1 %), 1000 to 3000 evaluations of f; 4 for pictures, a sixth of the
+ * evaluations, 2 %. Deterministic; may be called from several threads when f may.
  */
 void environment_reflect(double rgb[3], const struct environment *e, const struct brdf_source *f, const double n[3],
                          const double v[3], double coarseness);
