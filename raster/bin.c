@@ -4,13 +4,7 @@
  * The arena holds, in this order: list heads, lights, objects in view, runs (internal.h), which are a tile's list. Ids of 16 bits name
  * what is in the arena, not what is in the world. A meshlet is bound by its box's projection, not by a sphere: half as many entries.
  */
-#include "internal.h"
-
-/* m * 2^e, m >= 2^31. */
-struct magnitude {
-    uint32_t m;
-    int32_t e;
-};
+#include "bound.h"
 
 #define FIRST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
 #define MAX_BIAS        30         /* 2^30 / 2^8 vertex units: beyond every level's error */
@@ -36,12 +30,16 @@ struct binner {
     uint32_t run_count, run_limit;
     struct newest *window; /* NULL: runs are stored; else counted, in the tiles from window_first on */
     uint32_t window_first;
+    uint16_t *heads;             /* where they are stored */
+    bool at_coarsest;            /* every object is taken at its last level, for coarse_heads */
+    struct raster_extent extent; /* of the object in hand */
 };
 
-/* Tiles a meshlet touches, inclusive, and its class. */
+/* Tiles a meshlet touches, and its class. */
 struct coverage {
-    int32_t x0, y0, x1, y1;
+    struct raster_tiles tiles;
     int32_t nearest; /* smallest W of its corners */
+    bool cut;        /* may have to be clipped */
     uint32_t flags;  /* VISIBLE_* */
 };
 
@@ -53,6 +51,7 @@ const char *raster_status_text(enum raster_status s)
         "the arena is too small for this frame, even at the coarsest levels of detail",
         "a measured material's slot holds no table",
         "more than 65535 runs of meshlets in tiles, even at the coarsest levels of detail",
+        "the tiles' budget is too small for this frame, even at the coarsest levels of detail",
     };
     return (unsigned)s < RASTER_STATUS_COUNT ? text[s] : "unknown raster status";
 }
@@ -151,6 +150,9 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
     const int32_t w0 = fx_max(least[2], o->near_w), w1 = most[2];
     uint32_t bits = 32 - fx_clz(inv_w1 | 1);
     out->nearest = least[2];
+    const int32_t guard = (1 << (GUARD_BITS + 8)) - 512; /* from the centre, 1/256 px */
+    out->cut = least[2] < o->near_w || fx_min(x0 - width * 128, y0 - height * 128) < -guard ||
+               fx_max(x1 - width * 128, y1 - height * 128) > guard;
     out->flags = VISIBLE_SHIFT(bits > NORMAL_BITS ? bits - NORMAL_BITS : 0);
     /* A vertex inside the box may round 1/256 px beyond the corners'. First pixel centre >= x0-1, last < x1+1. */
     int32_t px0 = (x0 - 1 + 127) >> 8, px1 = (x1 + 1 - 128) >> 8, py0 = (y0 - 1 + 127) >> 8, py1 = (y1 + 1 - 128) >> 8;
@@ -162,10 +164,10 @@ static bool box_coverage(struct coverage *out, const struct raster *r, const str
         inv_w1 - inv_w0 <= SMALL_DEPTH && o->shift_xy - near_lead >= 0 && o->shift_xy - far_lead <= 31 &&
         o->shift_depth - near_lead >= 6 && o->shift_depth - far_lead <= 31)
         out->flags |= VISIBLE_SMALL;
-    out->x0 = fx_max(px0, 0) / RASTER_TILE_WIDTH;
-    out->y0 = fx_max(py0, 0) / RASTER_TILE_HEIGHT;
-    out->x1 = fx_min(px1, width - 1) / RASTER_TILE_WIDTH;
-    out->y1 = fx_min(py1, height - 1) / RASTER_TILE_HEIGHT;
+    out->tiles.x0 = fx_max(px0, 0) / RASTER_TILE_WIDTH;
+    out->tiles.y0 = fx_max(py0, 0) / RASTER_TILE_HEIGHT;
+    out->tiles.x1 = fx_min(px1, width - 1) / RASTER_TILE_WIDTH;
+    out->tiles.y1 = fx_min(py1, height - 1) / RASTER_TILE_HEIGHT;
     return true;
 }
 
@@ -185,7 +187,7 @@ static inline bool take_run(struct binner *b)
 
 static void bin_store(struct binner *b, uint32_t tile, uint32_t object, uint32_t meshlet)
 {
-    uint16_t *head = &b->r->heads[tile];
+    uint16_t *head = &b->heads[tile];
     if (*head) {
         struct raster_run *run = &b->r->runs[*head - 1];
         if (run_takes(run->object, run->meshlet, object, meshlet)) {
@@ -213,41 +215,31 @@ static void bin_count(struct binner *b, uint32_t tile, uint32_t object, uint32_t
         *run = (struct newest){takes ? run->object + 1 : object << RUN_BITS, meshlet};
 }
 
+/* What it takes, to every tile it touches. */
+static void bound_meshlet(const struct binner *b, const struct raster_object *o, const struct scene_meshlet *m,
+                          const struct coverage *c)
+{
+    const bool small = c->flags & VISIBLE_SMALL;
+    struct raster_load load;
+    if (b->at_coarsest) {
+        raster_bound_coarse(b->r, o, m, &c->tiles, small);
+    } else {
+        raster_load_find(&load, b->r, &b->extent, o, m, c->nearest, small, c->cut);
+        raster_bound_wanted(b->r, &load, &b->extent, &c->tiles);
+    }
+}
+
 static void bin_meshlet(struct binner *b, uint32_t object, uint32_t meshlet, const struct coverage *c)
 {
     b->r->visible_count++;
-    for (int32_t ty = c->y0; ty <= c->y1; ty++)
-        for (int32_t tx = c->x0; tx <= c->x1 && !b->full; tx++) {
+    for (int32_t ty = c->tiles.y0; ty <= c->tiles.y1; ty++)
+        for (int32_t tx = c->tiles.x0; tx <= c->tiles.x1 && !b->full; tx++) {
             const uint32_t tile = (uint32_t)ty * b->r->tiles_x + (uint32_t)tx;
             if (b->window)
                 bin_count(b, tile, object, meshlet | c->flags);
             else
                 bin_store(b, tile, object, meshlet | c->flags);
         }
-}
-
-static struct magnitude magnitude_of(uint64_t x) /* rounded down; of 0: of 1 */
-{
-    unsigned shift = 0;
-    while (x >> 32 >> shift)
-        shift++;
-    uint32_t m = (uint32_t)(x >> shift) | (x == 0);
-    unsigned lead = fx_clz(m);
-    return (struct magnitude){m << lead, (int32_t)shift - (int32_t)lead};
-}
-
-static struct magnitude magnitude_mul(struct magnitude a, struct magnitude b)
-{
-    uint32_t m = fx_mulhi_u(a.m, b.m); /* >= 2^30 */
-    unsigned lead = fx_clz(m);
-    return (struct magnitude){m << lead, a.e + b.e + 32 - (int32_t)lead};
-}
-
-static struct magnitude magnitude_inverse(struct magnitude a)
-{
-    uint32_t m = fx_recip(a.m); /* 2^29 .. 2^30 for 2^61/m */
-    unsigned lead = fx_clz(m);
-    return (struct magnitude){m << lead, -61 - a.e - (int32_t)lead};
 }
 
 /*
@@ -305,6 +297,8 @@ static const struct scene_lod *choose_level(struct binner *b, const struct raste
     const struct scene *s = b->r->frame.scene;
     const struct scene_mesh *mesh = &s->meshes[o->mesh];
     uint32_t error = s->header->lod_error ? o->max_error : 0, level = mesh->lod_count - 1;
+    if (b->at_coarsest)
+        return &s->lods[mesh->lod_first + level];
     if (b->bias) { /* doubled as often, from 1 at least */
         error = o->max_error | (o->max_error == 0);
         error = fx_clz(error) < b->bias ? UINT32_MAX : error << b->bias;
@@ -319,12 +313,18 @@ static const struct scene_lod *choose_level(struct binner *b, const struct raste
 static void bin_object(struct binner *b, const struct raster_object *o, uint32_t index)
 {
     const struct scene_lod *lod = choose_level(b, o);
+    const bool bounded = b->r->bounds && !b->window;
+    if (bounded && !b->at_coarsest)
+        raster_extent_setup(&b->extent, b->r, o);
     for (uint32_t k = 0; k < lod->meshlet_count && !b->full; k++) {
         uint32_t id = lod->meshlet_first + k;
         const struct scene_meshlet *m = &b->r->frame.scene->meshlets[id];
         struct coverage c;
-        if (!cone_culled(o, m) && box_coverage(&c, b->r, o, m->lo, m->hi))
-            bin_meshlet(b, index, id, &c);
+        if (cone_culled(o, m) || !box_coverage(&c, b->r, o, m->lo, m->hi))
+            continue;
+        bin_meshlet(b, index, id, &c);
+        if (bounded)
+            bound_meshlet(b, o, m, &c);
     }
 }
 
@@ -359,8 +359,17 @@ static void store_bins(struct binner *b)
     start_bins(b, room < UINT16_MAX ? (uint32_t)room : UINT16_MAX);
     b->window = NULL;
     r->runs = (struct raster_run *)(r->objects + r->object_count);
-    for (uint32_t t = 0; t < raster_tile_count(r); t++)
-        r->heads[t] = 0;
+    for (uint32_t t = 0; t < raster_tile_count(r) * (r->bounds ? 2 : 1); t++)
+        r->heads[t] = 0; /* coarse_heads follow */
+    if (r->bounds) {
+        raster_bounds_clear(r);
+        b->heads = r->coarse_heads;
+        b->at_coarsest = true;
+        bin_objects(b);
+        b->at_coarsest = false;
+        r->visible_count = 0;
+    }
+    b->heads = r->heads;
     bin_objects(b);
 }
 
@@ -371,10 +380,20 @@ FX_NOINLINE static void count_bins(struct binner *b)
     start_bins(b, UINT16_MAX);
     b->window = window;
     for (b->window_first = 0; b->window_first < raster_tile_count(b->r) && !b->full; b->window_first += WINDOW_TILES) {
-        for (uint32_t i = 0; i < WINDOW_TILES; i++)
-            window[i].object = UINT32_MAX;
-        bin_objects(b);
+        for (unsigned pass = b->r->frame.costs ? 0 : 1; pass < 2; pass++) {
+            for (uint32_t i = 0; i < WINDOW_TILES; i++)
+                window[i].object = UINT32_MAX;
+            b->at_coarsest = pass == 0;
+            bin_objects(b);
+        }
     }
+}
+
+/* Whether drawing is expected to take more than 5/8 of the frame's budget. */
+static bool draws_too_much(const struct raster *r)
+{
+    const uint64_t budget = (uint64_t)r->frame.tile_budget * raster_tile_count(r);
+    return budget && r->bounds && raster_bounds_drawing(r) > budget / 8 * 5;
 }
 
 static enum raster_status check_frame(struct raster *r, const struct raster_frame *f)
@@ -396,6 +415,7 @@ static enum raster_status check_frame(struct raster *r, const struct raster_fram
 enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes)
 {
     r->arena_needed = 0;
+    r->budget_needed = 0;
     enum raster_status status = check_frame(r, f);
     if (status != RASTER_OK)
         return status;
@@ -406,20 +426,30 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->tiles_x = (uint16_t)((r->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
     r->tiles_y = (uint16_t)((r->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
     uint32_t tiles = raster_tile_count(r);
-    size_t head_bytes = (tiles * sizeof(uint16_t) + 7) & ~(size_t)7;
+    size_t head_bytes = ((f->costs ? 2 : 1) * tiles * sizeof(uint16_t) + 7) & ~(size_t)7;
     size_t light_bytes = raster_light_bytes(f); /* both multiples of 8, for objects are 8-aligned */
+    size_t bound_bytes = f->costs ? (tiles * sizeof *r->bounds + 7) & ~(size_t)7 : 0;
+    size_t fixed_bytes = head_bytes + light_bytes + bound_bytes;
     bytes &= ~(size_t)3;
     uint32_t threshold = f->scene->header->lod_error;
-    struct binner b = {.r = r, .fixed_bytes = head_bytes + light_bytes, .arena_bytes = bytes};
+    struct binner b = {.r = r, .fixed_bytes = fixed_bytes, .arena_bytes = bytes};
     b.pixels = magnitude_mul(magnitude_of(threshold ? threshold : FIRST_THRESHOLD),
                              magnitude_inverse(magnitude_of((uint64_t)f->height * f->camera->focal)));
     b.pixels.e += 1; /* both have 16 fraction bits; H/2 */
-    b.objects_stored = arena && bytes >= head_bytes + light_bytes;
+    b.objects_stored = arena && bytes >= fixed_bytes;
+    r->bounds = NULL;
     if (b.objects_stored) {
         uint8_t *p = arena;
         r->heads = (uint16_t *)p;
         r->lights = (struct raster_light *)(void *)(p + head_bytes);
-        r->objects = (struct raster_object *)(p + head_bytes + light_bytes);
+        r->objects = (struct raster_object *)(p + fixed_bytes);
+        if (f->costs) {
+            r->coarse_heads = r->heads + tiles;
+            r->bounds = (struct raster_tile_bound *)(void *)(p + head_bytes + light_bytes);
+        }
+        raster_view_setup(&r->view, f->camera, f->width, f->height);
+        raster_light_setup(r);
+        r->block_shift = raster_block_shift(&r->view);
     }
     r->object_count = 0;
     list_objects(&b);
@@ -428,7 +458,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
             store_bins(&b);
         else
             count_bins(&b);
-        if (!b.full || b.coarsest || b.bias == MAX_BIAS)
+        if ((!b.full && !draws_too_much(r)) || b.coarsest || b.bias == MAX_BIAS)
             break;
     }
     r->lod_bias = b.bias;
@@ -440,10 +470,9 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->arena_needed = b.fixed_bytes + b.run_count * sizeof(struct raster_run);
     if (!stored)
         return RASTER_ERR_ARENA;
-    raster_view_setup(&r->view, f->camera, f->width, f->height);
-    raster_light_setup(r);
-    r->block_shift = raster_block_shift(&r->view);
-    return RASTER_OK;
+    if (r->bounds)
+        r->budget_needed = raster_bounds_finish(r);
+    return f->tile_budget && r->budget_needed > f->tile_budget ? RASTER_ERR_BUDGET : RASTER_OK;
 }
 
 size_t raster_arena_bytes(const struct raster_frame *f)

@@ -98,6 +98,7 @@ struct raster_costs {
     uint32_t region;   /* with a surface to be shaded */
     uint32_t copied;   /* a pixel that takes another's colour, cells' bookkeeping included */
     uint32_t finished; /* a pixel packed */
+    uint32_t plan;     /* choosing rates after a survey */
     struct {
         uint32_t material; /* per region and directional light: planes */
         uint32_t sample;   /* gathering, tone curve */

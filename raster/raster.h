@@ -42,6 +42,7 @@ enum raster_status {
     RASTER_ERR_ARENA, /* the arena is too small even for the coarsest levels: raster.arena_needed says what they take */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
     RASTER_ERR_LIMIT, /* more than 65535 runs of meshlets in tiles at the coarsest levels */
+    RASTER_ERR_BUDGET, /* tile_budget is too small: raster.budget_needed is the least */
     RASTER_STATUS_COUNT
 };
 
@@ -57,6 +58,9 @@ struct raster_frame {
     uint8_t light_count;
     uint8_t format;  /* enum raster_format */
     uint8_t samples; /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
+    const struct raster_costs
+        *costs;           /* what the target takes (quality.h): tiles' bounds are found; NULL: they are not */
+    uint32_t tile_budget; /* ticks, mean over tiles; 0: no limit. Needs costs */
 };
 
 struct raster_rect {
@@ -78,6 +82,17 @@ struct raster_stats {
 struct raster_object; /* per-object transform of this frame, in the arena */
 struct raster_run;    /* meshlets that follow each other in a tile's list, in the arena */
 
+/* What a tile takes, in ticks; see bound.h. */
+struct raster_tile_bound {
+    uint32_t least;    /* is enough, whatever there is to be drawn: for the coarsest levels at the last rung */
+    uint32_t largest;  /* drawing one meshlet of its list, at most */
+    uint32_t drawing;  /* drawing its list, roughly */
+    uint32_t demand;   /* shading it at full quality, roughly */
+    uint32_t shown;    /* pixels, roughly; internal */
+    uint32_t pixels;   /* of the coarsest levels: tested, at most */
+    uint32_t meshlets; /* likewise: in the list */
+};
+
 struct raster_light {
     struct vec3 v; /* eye space: the unit vector towards a directional light, Q15; a point light's position, q16_16 */
     uq16_16_t irradiance[3]; /* times exposure; a point light's intensity */
@@ -93,7 +108,7 @@ struct raster_view {
 };
 
 /* A frame being rendered. Read-only while tiles render. Fields are internal but for arena_needed, lod_bias,
- * bad_material. */
+ * bad_material, bounds, budget_needed. */
 struct raster {
     struct raster_frame frame;
     struct raster_object *objects;
@@ -114,6 +129,9 @@ struct raster {
     size_t arena_needed; /* bytes of arena that this frame uses */
     uint32_t lod_bias;   /* how often the threshold for levels of detail was doubled to make the frame fit */
     uint32_t bad_material;
+    struct raster_tile_bound *bounds; /* per tile, in the arena; NULL without costs */
+    uint16_t *coarse_heads;           /* as heads, of all objects' coarsest levels; likewise */
+    uint32_t budget_needed;           /* the mean of tiles' least ticks, rounded up */
 };
 
 /* One tile's working memory: fast RAM, one per thread. Contents are internal. */
@@ -228,7 +246,8 @@ size_t raster_arena_bytes(const struct raster_frame *f);
 /*
  * Chooses levels of detail, culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. When the
  * arena is too small, or 16-bit ids run out, the threshold (of 0: 1/16 px) is doubled until the frame fits: no triangle is
- * ever left out. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) are set.
+ * ever left out; it is doubled, too, while drawing is expected to take more than 5/8 of a budget. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) and r->budget_needed
+ * (RASTER_ERR_BUDGET) are set.
  */
 enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes);
 

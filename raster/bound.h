@@ -1,0 +1,54 @@
+/*
+ * What a tile takes, known before it is drawn: what its budget guarantees, from which number on it can, and how ticks are best dealt out.
+ *
+ * The guarantee is asked of the coarsest levels of detail alone, triangle by triangle, each counted with its box in the tile: a tile whose
+ * share does not suffice for what the threshold wants falls back to them, and shading to the last rung.
+ *
+ * Of the levels wanted the largest meshlet's drawing is bounded, so that it is known when to fall back. A meshlet says the area A and the
+ * perimeter P of its triangles, summed (scene.h). On the screen, at depth w and an angle phi off the view axis, a surface of area a shows at
+ * most a (s/w)^2 / cos(phi) pixels^2, and a line of length l at most l (s/w) / cos(phi) pixels, s pixels per unit at depth 1; its box
+ * gives the least w, the picture's corner the largest phi. A triangle of area a and perimeter p holds at most a + p/2 + 1 pixel centres
+ * (Nosarzewska 1948), in at most p/2 + 1 rows. Hence
+ *   pixels tested <= A_px + P_px/2 + T, rows <= P_px/2 + T, and never more than T times the tile's.
+ */
+#ifndef RASTER_BOUND_H
+#define RASTER_BOUND_H
+
+#include "internal.h"
+#include "magnitude.h"
+
+/* That a meshlet touches, inclusive. */
+struct raster_tiles {
+    int32_t x0, y0, x1, y1;
+};
+
+/* Of an object, for its meshlets. */
+struct raster_extent {
+    struct magnitude length; /* pixels per vertex unit, times W */
+    uint32_t pixel_cost;     /* of a pixel shaded at full quality, estimated; ticks, 4 fraction bits */
+};
+
+/* A meshlet in any one tile. */
+struct raster_load {
+    uint32_t ticks, tested; /* at most */
+    uint32_t shown;         /* pixels^2 in all tiles, at most */
+};
+
+void raster_bounds_clear(struct raster *r);
+void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o);
+/* In: nearest, the box's least depth in W; whether it is drawn by small.c, and whether it may have to be clipped. */
+void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
+                      const struct raster_object *o, const struct scene_meshlet *m, int32_t nearest, bool small,
+                      bool cut);
+/* Adds a meshlet of the coarsest levels to the tiles that it touches. */
+void raster_bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
+                         const struct raster_tiles *tiles, bool small);
+/* Adds one of the levels wanted. */
+void raster_bound_wanted(struct raster *r, const struct raster_load *load, const struct raster_extent *e,
+                         const struct raster_tiles *tiles);
+/* Adds what each tile takes besides drawing. Returns the mean of what they need at least, rounded up. */
+uint32_t raster_bounds_finish(struct raster *r);
+/* Roughly what drawing all tiles takes. */
+uint64_t raster_bounds_drawing(const struct raster *r);
+
+#endif
