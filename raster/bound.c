@@ -169,12 +169,12 @@ void raster_bound_wanted(struct raster *r, const struct raster_load *load, const
         }
 }
 
-/* Of one flat meshlet, of whatever material. */
+/* Of one flat meshlet, of any object in view. */
 static uint32_t flat_cost(const struct raster *r)
 {
     uint32_t most = 0;
-    for (uint32_t i = 0; i < r->frame.scene->header->materials.count; i++) {
-        const uint32_t c = r->frame.costs->shading[raster_shading_of(r, i, RASTER_RATE_FLAT)].flat;
+    for (uint32_t i = 0; i < r->object_count; i++) {
+        const uint32_t c = r->frame.costs->shading[raster_shading_of(r, r->objects[i].material, RASTER_RATE_FLAT)].flat;
         most = c > most ? c : most;
     }
     return most;

@@ -3,7 +3,7 @@
  *
  *   raster_tile_begin(r, index, t, &rect, &stats);
  *   for (bool full = true; full;) {
- *       full = raster_tile_draw(r, t, &stats);     every meshlet drawn, or no slot left
+ *       full = raster_tile_draw(r, t, UINT32_MAX, &stats) == RASTER_NO_SLOT;     else every meshlet is drawn
  *       const struct raster_survey *s = raster_tile_survey(r, t, &rect);
  *       for (uint32_t region = 0; region < s->regions; region++)
  *           raster_tile_shade(r, t, &rect, region, &quality, &stats);
@@ -46,8 +46,18 @@ struct raster_quality {
 void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_tile *t, struct raster_rect *rect,
                        struct raster_stats *stats);
 
-/* Draws meshlets until none is left (false), or no slot is (true): then the caller shades every region, frees the slots and goes on. */
-bool raster_tile_draw(const struct raster *r, struct raster_tile *t, struct raster_stats *stats);
+enum raster_drawing {
+    RASTER_DRAWN,   /* no meshlet is left */
+    RASTER_NO_SLOT, /* the caller is to shade every region, to free the slots and to go on */
+    RASTER_MORE     /* as many as asked for are drawn */
+};
+
+/* Draws up to `most` meshlets. */
+enum raster_drawing raster_tile_draw(const struct raster *r, struct raster_tile *t, uint32_t most,
+                                     struct raster_stats *stats);
+
+/* Begins a tile again, with the coarsest level of every object, of a frame with costs: for a tile whose time does not suffice. */
+void raster_tile_restart(const struct raster *r, uint32_t index, struct raster_tile *t);
 
 /* Counts the pixels that wait for their shading, and finds the lights that may reach them. The result lives in the tile until
  * its slots are freed or it is finished. */

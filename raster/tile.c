@@ -115,12 +115,15 @@ void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_til
     t->slot_count = 0;
 }
 
-bool raster_tile_draw(const struct raster *r, struct raster_tile *t, struct raster_stats *stats)
+enum raster_drawing raster_tile_draw(const struct raster *r, struct raster_tile *t, uint32_t most,
+                                     struct raster_stats *stats)
 {
     for (; t->run; stats->meshlets++) {
         const struct raster_run *run = &r->runs[t->run - 1];
         if (t->slot_count == RASTER_SLOTS - 1)
-            return true;
+            return RASTER_NO_SLOT;
+        if (!most--)
+            return RASTER_MORE;
         draw_meshlet(r, t, &r->objects[run->object >> RUN_BITS], t->meshlet, ++t->slot_count, t->centre_x2,
                      t->centre_y2, stats);
         if (t->run_left)
@@ -128,14 +131,21 @@ bool raster_tile_draw(const struct raster *r, struct raster_tile *t, struct rast
         else
             start_run(t, r, run->next);
     }
-    return false;
+    return RASTER_DRAWN;
+}
+
+void raster_tile_restart(const struct raster *r, uint32_t index, struct raster_tile *t)
+{
+    clear_surface(t);
+    start_run(t, r, r->coarse_heads[index]);
+    t->slot_count = 0;
 }
 
 void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
                         struct raster_stats *stats)
 {
     raster_tile_begin(r, index, work, rect, stats);
-    while (raster_tile_draw(r, work, stats)) {
+    while (raster_tile_draw(r, work, UINT32_MAX, stats) == RASTER_NO_SLOT) {
         raster_shade_regions(r, work, rect, stats);
         raster_tile_free_slots(r, work, rect, stats);
     }

@@ -6,6 +6,7 @@
 #include "scene_fixture.h"
 
 #include "common.h"
+#include "internal.h"
 #include "quality.h"
 
 enum { WIDTH = 320, HEIGHT = 240 };
@@ -91,19 +92,26 @@ static struct sums frame_within_bounds(const struct raster_frame *f)
     return sums;
 }
 
-static void coarsest_levels_stay_within_their_bounds(void **state)
+/* Every mesh with its last level alone. */
+static void keep_coarsest(struct scene *out, struct scene_mesh meshes[6])
 {
-    (void)state;
-    static const struct raster_costs *const costs[] = {&of_tested, &of_triangles, &of_meshlets};
-    static const char *const name[] = {"pixels tested", "triangles facing", "meshlets"};
-    struct scene coarsest = six; /* every mesh with its last level alone */
-    struct scene_mesh meshes[6];
+    *out = six;
     for (int i = 0; i < 6; i++) {
         meshes[i] = six.meshes[i];
         meshes[i].lod_first += meshes[i].lod_count - 1;
         meshes[i].lod_count = 1;
     }
-    coarsest.meshes = meshes;
+    out->meshes = meshes;
+}
+
+static void coarsest_levels_stay_within_their_bounds(void **state)
+{
+    (void)state;
+    static const struct raster_costs *const costs[] = {&of_tested, &of_triangles, &of_meshlets};
+    static const char *const name[] = {"pixels tested", "triangles facing", "meshlets"};
+    struct scene coarsest;
+    struct scene_mesh meshes[6];
+    keep_coarsest(&coarsest, meshes);
     for (int i = 0; i < 3; i++) {
         struct scene_camera camera = six.header->camera;
         struct raster_frame f = six_models(&camera, costs[i]);
@@ -162,6 +170,38 @@ static void random_triangles_stay_within_their_bounds(void **state)
     assert_true(counted > 1e5);
 }
 
+/* The same pixels as where there is no other level. */
+static void restarted_tiles_show_the_coarsest_levels(void **state)
+{
+    (void)state;
+    struct scene_camera camera = six.header->camera;
+    struct raster_frame f = six_models(&camera, &of_tested), g;
+    struct scene coarsest;
+    struct scene_mesh meshes[6];
+    struct raster r, s;
+    struct raster_rect rect;
+    struct raster_stats stats;
+    static struct raster_tile other;
+    static uint64_t other_arena[1 << 17];
+    keep_coarsest(&coarsest, meshes);
+    g = f;
+    g.scene = &coarsest;
+    assert_int_equal(raster_begin(&r, &f, arena, sizeof arena), RASTER_OK);
+    assert_int_equal(raster_begin(&s, &g, other_arena, sizeof other_arena), RASTER_OK);
+    uint32_t covered = 0;
+    for (uint32_t t = 0; t < raster_tile_count(&r); t++) {
+        raster_tile_begin(&r, t, &work, &rect, &stats);
+        assert_int_not_equal(raster_tile_draw(&r, &work, t, &stats), RASTER_NO_SLOT); /* some of the others */
+        raster_tile_restart(&r, t, &work);
+        assert_int_equal(raster_tile_draw(&r, &work, UINT32_MAX, &stats), RASTER_DRAWN);
+        raster_shade_tile(&r, &work, &rect, &stats);
+        raster_render_tile(&s, t, &other, &rect, &stats);
+        assert_memory_equal(raster_tile_pixels(&work), raster_tile_pixels(&other), 3 * rect.width * rect.height);
+        covered += stats.covered;
+    }
+    assert_true(covered > 30000);
+}
+
 static void budgets_take_coarser_levels_down_to_the_least_and_are_refused_below(void **state)
 {
     (void)state;
@@ -198,6 +238,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(coarsest_levels_stay_within_their_bounds),
+        cmocka_unit_test(restarted_tiles_show_the_coarsest_levels),
         cmocka_unit_test(random_triangles_stay_within_their_bounds),
         cmocka_unit_test(budgets_take_coarser_levels_down_to_the_least_and_are_refused_below),
     };
