@@ -68,9 +68,12 @@ void frame_fetch(struct frame *f)
     double start = seconds_now();
     if (!sim_device_frame(f->device, pixels, &h))
         die(EXIT_INTERNAL, "the simulated device does not answer");
+    char *refusal = device_refusal(f->device, h.status, h.detail);
+    if (refusal && (!f->refusal || strcmp(refusal, f->refusal)))
+        warn("%s", refusal);
     free(f->refusal);
-    f->refusal = device_refusal(f->device, h.status, h.detail);
-    if (f->refusal) {
+    f->refusal = refusal;
+    if (refusal) {
         canvas_free(&next);
     } else {
         f->seconds = seconds_now() - start;

@@ -57,8 +57,8 @@ window_close() { # exit code of the shell, which is the window's
     wait $pid
     [ $? = "$1" ]
 }
-until_true() { # command...: within some seconds
-    local end=$((SECONDS + 8))
+until_true() { # command...: within a minute
+    local end=$((SECONDS + 60))
     until "$@"; do
         [ $SECONDS -lt $end ] || return 1
         sleep 0.02
@@ -205,7 +205,9 @@ check each_new_frame_is_recorded recorded
 empty() {
     window_open && title '^gtsim \| no scene \| the device has no scene; ' && press n e l 1 m t Right Prior &&
         inside 'gtusb push "$DEMO/six_models.blob"' && title 'slot 0 \| .* the table slot of material 0 is empty; give ' &&
-        shows n lafortune && title 'lafortune_phong \| .* fps$' && window_close 0
+        shows n lafortune && title 'lafortune_phong \| .* fps$' && window_close 0 &&
+        [ "$(grep -c '^gtsim: window: the device has no scene' "$work/err")" = 1 ] &&
+        [ "$(grep -c '^gtsim: window: the table slot of material 0 is empty' "$work/err")" = 1 ]
 }
 check empty_device_waits_for_a_scene empty
 
