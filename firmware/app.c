@@ -62,7 +62,7 @@ enum raster_status app_frame_begin(struct app *app, bool streamed)
         .scene = &c->scene,
         .camera = &c->camera,
         .output = &c->output,
-        .lights = c->light_count > APP_MAX_SET_LIGHTS ? c->scene.lights : c->lights,
+        .lights = c->lights,
         .materials = c->materials,
         .tables = c->table_of_slot,
         .width = app->config.width,
@@ -72,7 +72,7 @@ enum raster_status app_frame_begin(struct app *app, bool streamed)
         .samples = app->config.samples,
     };
     uint32_t start = clock_now(app);
-    enum raster_status status = raster_begin(&f->raster, &what, app->config.arena, app->config.arena_bytes);
+    enum raster_status status = raster_begin(&f->raster, &what, app->config.arena, content_arena_bytes(app));
     f->refused = status != RASTER_OK;
     if (f->refused)
         return status;

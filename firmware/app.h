@@ -19,7 +19,7 @@ struct app_config {
     uint8_t slot_count;        /* 2..USB_MAX_SLOTS: the scene's and the table slots */
     uint32_t scene_bank_bytes; /* of slot 0, a multiple of the flash block; 0: an equal share of the flash for
                                   every bank */
-    void *arena;               /* 8-aligned: bins and transforms of a frame */
+    void *arena;               /* 8-aligned: bins and transforms of a frame, and what the host has set */
     size_t arena_bytes;
     struct usb_tile_stats *tile_stats; /* one per tile, or NULL: no per-tile statistics */
     uint32_t tile_stats_count;
@@ -45,9 +45,10 @@ struct app_content {
     uint32_t triangle_count; /* of all objects, finest levels */
     struct scene_camera camera;
     struct scene_output output;
-    struct scene_light lights[APP_MAX_SET_LIGHTS]; /* if there are no more: else the scene's own */
     uint8_t light_count;
-    struct scene_material materials[SCENE_MAX_MATERIALS];
+    const struct scene_light *lights; /* the scene's own until the host changes one; so are materials */
+    const struct scene_material *materials;
+    struct scene_material *own; /* copies at the arena's end; then lights, if no more than can be set; or NULL */
     struct lut_table tables[RASTER_MAX_SLOTS];
     const struct lut_table *table_of_slot[RASTER_MAX_SLOTS]; /* NULL: empty */
 };
@@ -64,7 +65,7 @@ struct app_frame {
     struct usb_stats stats;
 };
 
-/* Everything the firmware knows; fields are internal. About 36 KB, place it in fast RAM. */
+/* Everything the firmware knows; fields are internal. About 31 KB, place it in fast RAM. */
 struct app {
     const struct hal *hal;
     struct app_config config;

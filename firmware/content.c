@@ -23,10 +23,17 @@ void content_reset(struct app *app)
     const struct scene_header *h = c->scene.header;
     c->camera = h->camera;
     c->output = h->output;
-    c->light_count = (uint8_t)h->lights.count; /* scene_open: at most SCENE_MAX_LIGHTS and SCENE_MAX_MATERIALS */
-    if (c->light_count <= APP_MAX_SET_LIGHTS)
-        __builtin_memcpy(c->lights, c->scene.lights, h->lights.count * sizeof c->lights[0]);
-    __builtin_memcpy(c->materials, c->scene.materials, h->materials.count * sizeof c->materials[0]);
+    c->light_count = (uint8_t)h->lights.count; /* scene_open: at most SCENE_MAX_LIGHTS */
+    c->lights = c->scene.lights;
+    c->materials = c->scene.materials;
+    c->own = NULL;
+}
+
+size_t content_arena_bytes(const struct app *app)
+{
+    const struct scene_material *own = app->content.own;
+    const size_t before = own ? (size_t)((const uint8_t *)own - (const uint8_t *)app->config.arena) : SIZE_MAX;
+    return before < app->config.arena_bytes ? before : app->config.arena_bytes;
 }
 
 void content_load(struct app *app, uint32_t slot)
@@ -45,23 +52,48 @@ void content_load(struct app *app, uint32_t slot)
     }
 }
 
-enum usb_status content_select(struct app *app, const struct usb_select *select)
-{
-    struct app_content *c = &app->content;
-    if (!c->has_scene)
-        return USB_ERR_STATE;
-    if (select->material >= c->scene.header->materials.count || select->table + 1u >= app->config.slot_count)
-        return USB_ERR_VALUE;
-    c->materials[select->material].slot = (uint8_t)select->table;
-    app->frame.refused = false;
-    return USB_OK;
-}
-
 static const struct table_store_result accepted = {USB_OK, 0};
 
 static struct table_store_result refused(uint32_t detail)
 {
     return (struct table_store_result){USB_ERR_VALUE, detail};
+}
+
+/* Before a material or light changes: copies those of the scene into the arena, where a frame then has less. */
+static struct table_store_result own_values(struct app *app)
+{
+    struct app_content *c = &app->content;
+    const uint32_t materials = c->scene.header->materials.count,
+                   lights = c->light_count <= APP_MAX_SET_LIGHTS ? APP_MAX_SET_LIGHTS : 0;
+    const size_t bytes = materials * sizeof *c->own + lights * sizeof *c->lights;
+    if (c->own)
+        return accepted;
+    if (bytes > app->config.arena_bytes)
+        return (struct table_store_result){USB_ERR_MEMORY, (uint32_t)bytes};
+    uint8_t *place = (uint8_t *)app->config.arena + ((app->config.arena_bytes - bytes) & ~(size_t)3);
+    c->own = (struct scene_material *)(void *)place;
+    __builtin_memcpy(c->own, c->materials, materials * sizeof *c->own);
+    c->materials = c->own;
+    if (lights) {
+        __builtin_memcpy(c->own + materials, c->lights, c->light_count * sizeof *c->lights);
+        c->lights = (struct scene_light *)(void *)(c->own + materials);
+    }
+    return accepted;
+}
+
+struct table_store_result content_select(struct app *app, const struct usb_select *select)
+{
+    struct app_content *c = &app->content;
+    if (!c->has_scene)
+        return (struct table_store_result){USB_ERR_STATE, 0};
+    if (select->material >= c->scene.header->materials.count || select->table + 1u >= app->config.slot_count)
+        return refused(0);
+    struct table_store_result r = own_values(app);
+    if (r.status != USB_OK)
+        return r;
+    c->own[select->material].slot = (uint8_t)select->table;
+    app->frame.refused = false;
+    return accepted;
 }
 
 static struct table_store_result set_camera(struct app_content *c, const struct scene_camera *camera)
@@ -82,29 +114,36 @@ static struct table_store_result set_output(struct app_content *c, const struct 
     return accepted;
 }
 
-static struct table_store_result set_light(struct app_content *c, uint32_t index, const struct scene_light *light)
+static struct table_store_result set_light(struct app *app, uint32_t index, const struct scene_light *light)
 {
+    struct app_content *c = &app->content;
     enum scene_status status = scene_check_light(light);
     if (status != SCENE_OK || index > c->light_count || index >= APP_MAX_SET_LIGHTS ||
         c->light_count > APP_MAX_SET_LIGHTS)
         return refused((uint32_t)status);
-    c->lights[index] = *light;
+    struct table_store_result r = own_values(app);
+    if (r.status != USB_OK)
+        return r;
+    struct scene_light *own = (struct scene_light *)(void *)(c->own + c->scene.header->materials.count);
+    own[index] = *light;
     if (index == c->light_count)
         c->light_count++;
     return accepted;
 }
 
-static struct table_store_result set_model(struct app_content *c, uint32_t model)
+static struct table_store_result set_model(struct app *app, uint32_t model)
 {
+    struct app_content *c = &app->content;
     if (model >= SCENE_MATERIAL_KIND_COUNT && model != MODEL_OF_SCENE)
         return refused(0);
-    for (uint32_t i = 0; i < c->scene.header->materials.count; i++) {
-        struct scene_material *m = &c->materials[i];
+    struct table_store_result r = own_values(app);
+    for (uint32_t i = 0; r.status == USB_OK && i < c->scene.header->materials.count; i++) {
+        struct scene_material *m = &c->own[i];
         m->kind = model == MODEL_OF_SCENE ? c->scene.materials[i].kind : (uint8_t)model;
         if (m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS && m->roughness < SCENE_MIN_ROUGHNESS)
             m->roughness = SCENE_MIN_ROUGHNESS;
     }
-    return accepted;
+    return r;
 }
 
 /* Bytes of a setting's value; 0: no such setting. */
@@ -140,10 +179,10 @@ struct table_store_result content_set(struct app *app, uint32_t setting, const v
     case USB_SET_CAMERA:
         return set_camera(c, value);
     case USB_SET_LIGHT:
-        return set_light(c, words[0], (const struct scene_light *)(words + 1));
+        return set_light(app, words[0], (const struct scene_light *)(words + 1));
     case USB_SET_OUTPUT:
         return set_output(c, value);
     default:
-        return set_model(c, words[0]);
+        return set_model(app, words[0]);
     }
 }

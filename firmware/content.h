@@ -10,10 +10,13 @@
 /* Takes over what is live in a slot: opens the table, or the scene (which forgets select and set). */
 void content_load(struct app *app, uint32_t slot);
 
+/* Bytes of the arena that are left for a frame. */
+size_t content_arena_bytes(const struct app *app);
+
 /* Back to what the scene says. */
 void content_reset(struct app *app);
 
-enum usb_status content_select(struct app *app, const struct usb_select *select);
+struct table_store_result content_select(struct app *app, const struct usb_select *select);
 
 /* `setting`: enum usb_setting with its value's bytes, 4-aligned. */
 struct table_store_result content_set(struct app *app, uint32_t setting, const void *value, uint32_t bytes);

@@ -127,8 +127,8 @@ static void select_serve(struct app *app)
 {
     struct usb_select select;
     __builtin_memcpy(&select, app->protocol.payload, sizeof select);
-    enum usb_status status = content_select(app, &select);
-    reply(app, status, 0);
+    struct table_store_result r = content_select(app, &select);
+    reply(app, r.status, r.detail);
 }
 
 static void set_serve(struct app *app)

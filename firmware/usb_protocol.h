@@ -75,7 +75,7 @@ enum usb_status {
     USB_ERR_VALUE,      /* begin/set/select value out of range */
     USB_ERR_RENDER,     /* frame refused: detail = enum raster_status */
     USB_ERR_TABLE,      /* frame refused: a measured material's slot is empty: detail = material index */
-    USB_ERR_MEMORY,     /* frame refused: arena too small: detail = bytes needed */
+    USB_ERR_MEMORY,     /* frame, SELECT or SET refused: arena too small: detail = bytes needed */
     USB_ERR_DAMAGED, /* the check differs: nothing was done; of DATA detail = expected offset, else the OUT endpoint stalls */
     USB_STATUS_COUNT
 };

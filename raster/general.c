@@ -23,7 +23,7 @@ static void start(struct edge *e, const struct raster_vertex *a, const struct ra
     edge_start(e, n > 1 << 30 ? far : n < -(1 << 30) ? -far : (int32_t)n, dx, dy);
 }
 
-/* Fills t->spans. In: a, b, c clockwise on the screen (y down). */
+/* Fills t->m.spans. In: a, b, c clockwise on the screen (y down). */
 static struct spans triangle_spans(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
                                    const struct raster_vertex *c)
 {
@@ -49,7 +49,7 @@ static struct spans triangle_spans(struct raster_tile *t, const struct raster_ve
     if (upper > 0) { /* both sides start at a */
         start(&left, a, c, r0);
         start(&right, a, b, r0);
-        edge_walk(t->spans, upper, &left, &right);
+        edge_walk(t->m.spans, upper, &left, &right);
     }
     if (upper < s.rows) { /* below the middle vertex one side changes its edge */
         int32_t row = r0 + upper;
@@ -62,7 +62,7 @@ static struct spans triangle_spans(struct raster_tile *t, const struct raster_ve
             if (!upper)
                 start(&right, a, b, row);
         }
-        edge_walk(t->spans + 2 * upper, s.rows - upper, &left, &right);
+        edge_walk(t->m.spans + 2 * upper, s.rows - upper, &left, &right);
     }
     return s;
 }
@@ -92,7 +92,7 @@ void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, c
     int64_t dx1 = b->x - a->x, dy1 = b->y - a->y, dx2 = c->x - a->x, dy2 = c->y - a->y; /* < 2^23 */
     int32_t db = (int32_t)(b->inv_w - a->inv_w), dc = (int32_t)(c->inv_w - a->inv_w);
     for (int32_t i = 0; i < s.rows; i++) {
-        int32_t row = s.first_row + i, left = t->spans[2 * i], count = t->spans[2 * i + 1];
+        int32_t row = s.first_row + i, left = t->m.spans[2 * i], count = t->m.spans[2 * i + 1];
         int64_t px = 256 * left + 128 - a->x, py = 256 * row + 128 - a->y;
         int64_t nb = px * dy2 - py * dx2, nc = py * dx1 - px * dy1; /* both >= 0 where covered, sum <= area < 2^47 */
         struct raster_surface *p = t->surface + row * RASTER_TILE_WIDTH + left;

@@ -215,18 +215,22 @@ struct raster_tile {
     struct raster_surface surface[RASTER_TILE_PIXELS]; /* the finished pixels overwrite it from the start */
     struct raster_slot slots[RASTER_SLOTS];            /* 0 is not used */
     union {                                            /* the meshlet being drawn; then the tile being shaded */
-        struct raster_small small[SCENE_MESHLET_MAX_VERTICES];
         struct {
-            struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
-            struct raster_clip_vertex clip[SCENE_MESHLET_MAX_VERTICES];
-        } general;
+            union {
+                struct raster_small small[SCENE_MESHLET_MAX_VERTICES];
+                struct {
+                    struct raster_vertex vertices[SCENE_MESHLET_MAX_VERTICES];
+                    struct raster_clip_vertex clip[SCENE_MESHLET_MAX_VERTICES];
+                } general;
+            };
+            int32_t spans[2 * RASTER_TILE_HEIGHT];
+        };
         struct {
             struct raster_survey survey;
             struct raster_light_box box; /* what is seen, where there are point lights */
             uint32_t flat[RASTER_SLOTS]; /* a slot's finished colour, see shade.c */
         } shading;
     } m;
-    int32_t spans[2 * RASTER_TILE_HEIGHT];
     int32_t centre_x2,
         centre_y2;       /* the picture's centre from the tile's corner in 1/512 px, plus one to round to nearest */
     uint32_t run;        /* of the next meshlet, index + 1; 0: all are drawn */

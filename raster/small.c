@@ -51,7 +51,7 @@ static inline void start_small(struct edge *e, uint32_t a, uint32_t b, int32_t r
     edge_start(e, (n + 255) >> 8, dx, dy);
 }
 
-/* Fills t->spans from *first_row on; returns the number of rows, 0 when no pixel is covered. In: packed vertices,
+/* Fills t->m.spans from *first_row on; returns the number of rows, 0 when no pixel is covered. In: packed vertices,
  * clockwise on the screen. */
 static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a, uint32_t b, uint32_t c)
 {
@@ -79,7 +79,7 @@ static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a,
     if (upper > 0) {
         start_small(&left, a, c, r0);
         start_small(&right, a, b, r0);
-        any = edge_walk(t->spans, upper, &left, &right);
+        any = edge_walk(t->m.spans, upper, &left, &right);
         if (upper == rows)
             return any ? rows : 0;
         if (b_first)
@@ -91,7 +91,7 @@ static int32_t make_spans(struct raster_tile *t, int32_t *first_row, uint32_t a,
         start_small(&left, b_first ? a : c, b_first ? c : b, r0);
         start_small(&right, b_first ? b : a, b_first ? c : b, r0);
     }
-    any |= edge_walk(t->spans + 2 * upper, rows - upper, &left, &right);
+    any |= edge_walk(t->m.spans + 2 * upper, rows - upper, &left, &right);
     return any ? rows : 0;
 }
 
@@ -207,7 +207,7 @@ void raster_fill_small(struct raster_tile *t, const struct raster_small *a, cons
     d.value = (d.value & ~(uint32_t)255) | slot;
 
     struct raster_surface *line = t->surface + row * RASTER_TILE_WIDTH;
-    for (const int32_t *s = t->spans, *last = s + 2 * rows; s != last; s += 2) {
+    for (const int32_t *s = t->m.spans, *last = s + 2 * rows; s != last; s += 2) {
         int32_t count = s[1];
         if (count) {
             uint32_t left = (uint32_t)s[0];

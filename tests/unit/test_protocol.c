@@ -418,6 +418,9 @@ static void frames_that_cannot_be_are_refused_with_the_reason(void **state)
     d->app.config.arena_bytes = 8;
     assert_int_equal(frame(d, pixels, &detail), USB_ERR_MEMORY);
     assert_in_range(detail, 9, d->config.arena_bytes);
+    assert_int_equal(ask(d, USB_MSG_RESET, NULL, 0, NULL), USB_OK); /* the copy of what was set is given up */
+    assert_int_equal(ask(d, USB_MSG_SELECT, &select, sizeof select, &detail), USB_ERR_MEMORY);
+    assert_int_equal(detail, sizeof(struct scene_material) + APP_MAX_SET_LIGHTS * sizeof(struct scene_light));
     d->app.config.arena_bytes = d->config.arena_bytes;
     assert_int_equal(frame(d, pixels, NULL), USB_OK);
     free(scene);
