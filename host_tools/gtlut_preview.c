@@ -77,11 +77,16 @@ static unsigned parse_what(const char *list)
     return set;
 }
 
+static bool is_radiance(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && !strcmp(dot, ".exr");
+}
+
 /* The file of a picture, malloc'd: -o itself, or in the folder that it names. */
 static char *file_of(const struct request *r, int picture)
 {
-    bool radiance = picture == SPHERE && strlen(r->output) > 4 && !strcmp(r->output + strlen(r->output) - 4, ".exr");
-    if (gnuplot_draws(r->output) || radiance) {
+    if (gnuplot_draws(r->output) || (picture == SPHERE && is_radiance(r->output))) {
         if (r->what & (r->what - 1))
             die(EXIT_USAGE, "-o: '%s' is one file, --what asks for several pictures; give a folder", r->output);
         return xstrdup(r->output);
@@ -120,7 +125,7 @@ static void draw_one(struct request *r)
         die(EXIT_USAGE, "--what: a sheet is of a folder or a table of fits, %s is neither", r->input);
     preview_input_open(&in, r->input, &r->import);
     if (!r->what) {
-        r->what = (1u << SHEET) - 1;
+        r->what = is_radiance(r->output) ? 1u << SPHERE : (1u << SHEET) - 1;
         if (!in.is_table && !in.preview.samples.count)
             r->what &= ~(1u << SLICES);
     }
@@ -220,7 +225,7 @@ int gtlut_preview(int argc, char **argv)
     if (!r.view.size)
         r.view.size = count ? 88 : 256;
     r.view.environment = &environment;
-    r.view.coarseness = 4;
+    r.view.coarseness = is_radiance(r.output) ? 1 : 4; /* figures, pictures */
     if (count)
         draw_many(&r, paths, count);
     else

@@ -36,7 +36,7 @@ static uint8_t tone(double exposure, double value)
     return preview_srgb(x / (1 + x));
 }
 
-enum { GAP = 22, LEFT = 76, HEAD = 70, FOOT = 90, TITLE = 34 };
+enum { GAP = 34, LEFT = 76, HEAD = 70, FOOT = 90, TITLE = 24 };
 
 static void montage_begin(struct gnuplot *g, const struct montage *m, int count, const struct preview *p,
                           const char *quantity, const char *path)

@@ -7,7 +7,7 @@
 
 #include "common.h"
 
-enum { GAP = 14, LABEL = 22, HEAD = 12, FOOT = 40, MIN_CELL = 134 };
+enum { GAP = 14, LABEL = 22, HEAD = 12, FOOT = 40, MIN_CELL = 134, MAX_SIDE = 16000 };
 
 void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i), const void *ctx, size_t count,
                    const struct preview_view *view, const char *path)
@@ -17,6 +17,9 @@ void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i),
     columns = columns > n ? n : columns;
     rows = (n + columns - 1) / columns;
     int width = columns * cell, height = rows * tall;
+    if (width > MAX_SIDE || height > MAX_SIDE)
+        die(EXIT_USAGE, "a sheet of %d x %d pixels is larger than %d; give a smaller --size or fewer materials", width,
+            height, MAX_SIDE);
     uint8_t *rgb = xmalloc(3 * (size_t)width * (size_t)height);
     char **titles = xmalloc(count * sizeof *titles);
     unsigned marks = 0;
