@@ -68,7 +68,7 @@ static const char *transfer_failure(enum libusb_transfer_status status)
     case LIBUSB_TRANSFER_NO_DEVICE:
         return "the device was unplugged; plug it in and try again";
     case LIBUSB_TRANSFER_STALL:
-        return "the device stalled the endpoint; unplug it and plug it in again";
+        return "the device refused a damaged request and stalled; try again, and check the cable";
     case LIBUSB_TRANSFER_OVERFLOW:
         return "the device sent more than asked for; update its firmware";
     default:
