@@ -305,21 +305,52 @@ static void read_mesh(struct mesh_desc *out, const struct node *n, const char *d
     out->path = find_file(n->file, json_string(&file), data_folder);
 }
 
-static void read_object(struct object_desc *out, const struct node *n, const struct scene_desc *desc)
+/* The measured material of a table slot: the scene's first, or a new one. */
+static uint16_t material_of_slot(struct scene_desc *desc, const struct node *n)
 {
-    json_check_keys(n, KEYS("mesh", "material", "position", "rotation", "scale"));
-    struct node mesh = json_need(n, "mesh"), material = json_need(n, "material"), position = json_get(n, "position"),
-                rotation = json_get(n, "rotation");
-    const char *mesh_name = json_string(&mesh), *material_name = json_string(&material);
+    const unsigned slot = (unsigned)json_whole(n, 0, 15);
+    struct scene_material *m = desc->materials;
+    while (m < desc->materials + desc->material_count && (m->kind != SCENE_MATERIAL_MEASURED || m->slot != slot))
+        m++;
+    if (m == desc->materials + desc->material_count) {
+        if (desc->material_count++ == SCENE_MAX_MATERIALS)
+            json_die(n, "needs one more material than the limit of %u", SCENE_MAX_MATERIALS);
+        *m = (struct scene_material){.kind = SCENE_MATERIAL_MEASURED,
+                                     .slot = (uint8_t)slot,
+                                     .kd = {1u << 15, 1u << 15, 1u << 15},
+                                     .exponent = 1u << 16,
+                                     .roughness = 1u << 15};
+        snprintf(m->name, sizeof m->name, "slot %u", slot);
+    }
+    return (uint16_t)(m - desc->materials);
+}
+
+static uint16_t material_of_name(const struct scene_desc *desc, const struct node *n)
+{
+    const char *name = json_string(n);
+    uint16_t i = 0;
+    while (i < desc->material_count && strcmp(desc->materials[i].name, name))
+        i++;
+    if (i == desc->material_count)
+        json_die(n, "'%s' is not among the materials", name);
+    return i;
+}
+
+static void read_object(struct object_desc *out, const struct node *n, struct scene_desc *desc)
+{
+    json_check_keys(n, KEYS("mesh", "material", "slot", "position", "rotation", "scale"));
+    struct node mesh = json_need(n, "mesh"), slot = json_get(n, "slot"), position = json_get(n, "position"),
+                rotation = json_get(n, "rotation"),
+                material = slot.json ? json_get(n, "material") : json_need(n, "material");
+    const char *mesh_name = json_string(&mesh);
     *out = (struct object_desc){.scale = number_or(n, "scale", 1, 1e-6, 1e6)};
     while (out->mesh < desc->mesh_count && strcmp(desc->meshes[out->mesh].name, mesh_name))
         out->mesh++;
     if (out->mesh == desc->mesh_count)
         json_die(&mesh, "'%s' is not among the meshes", mesh_name);
-    while (out->material < desc->material_count && strcmp(desc->materials[out->material].name, material_name))
-        out->material++;
-    if (out->material == desc->material_count)
-        json_die(&material, "'%s' is not among the materials", material_name);
+    if (slot.json && material.json)
+        json_die(&slot, "given beside a material; give one or the other");
+    out->material = slot.json ? material_of_slot(desc, &slot) : material_of_name(desc, &material);
     if (position.json)
         json_vector(out->position, &position, -MAX_POSITION, MAX_POSITION);
     read_rotation(out->rotation, &rotation);

@@ -78,6 +78,10 @@ check "a point light builds: power over 4 pi, radius" eval 'build "$point" && in
     [ "$(bytes 0 0 32)" = "1 65536 4294803456 196608 312911 312911 312911 491520" ]'
 check "a point light of three powers builds" eval 'build "$point; s/\"power\": 60/\"power\": [0, 60, 800000]/" &&
     [ "$(bytes 0 16 12)" = "0 312911 4172151340" ]'
+check "an object may name a table slot instead of a material" eval 'build "s/\"material\": \"a\", \"position\"/\"slot\": 7, \"position\"/" && info_has "^materials +2 " "slot 7 +slot +7 measured$"'
+check "an object of a slot that a material has gets that material" eval 'build "s/\"material\": \"a\", \"position\"/\"slot\": 3, \"position\"/" && info_has "^materials +1 "'
+check "a slot beside a material is refused" bad 's/"material": "a", "position"/"material": "a", "slot": 3, "position"/' 4 'objects\[0\]\.slot: given beside a material; give one or the other'
+check "a slot beyond the last is refused" bad 's/"material": "a", "position"/"slot": 16, "position"/' 4 'objects\[0\]\.slot: 16 is out of range; give a number from 0 to 15'
 check "a light may say that it is directional" eval 'build "s/\"direction\"/\"type\": \"directional\", \"direction\"/" && info_has "^light +0 directional from 0.0000, 0.7071, 0.7071, irradiance 1.0000, 1.0000, 1.0000$"'
 many() { scene "/\"lights\"/s/(\{.*\})/$(printf '\\1,%.0s' {1..127})\1/" && "$G" build "$work/s.json" -o "$work/good.blob"; }
 check "128 lights build" eval 'many && info_has "^lights +128 "'
