@@ -144,6 +144,7 @@ void raster_tile_finish(const struct raster *r, struct raster_tile *t, const str
                         struct raster_stats *stats)
 {
     const struct output o = make_output(r, t, rect);
+    raster_remember(t);
     if (r->sample_shift)
         finish_samples(&o, stats);
     else
@@ -154,6 +155,7 @@ void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const
                             struct raster_stats *stats)
 {
     const struct output o = make_output(r, t, rect);
+    raster_remember(t);
     t->batch.diffuse_material = 0;
     for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
         for (uint32_t x = 0; x < o.width;) {

@@ -211,6 +211,9 @@ void raster_shade_regions(const struct raster *r, struct raster_tile *t, const s
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats);
 
+/* survey.c: puts what the tile's shading showed into its memory, if there is one, and forgets the latter. */
+void raster_remember(struct raster_tile *t);
+
 /* quality.c: log2 of the edges of a rate's cells, pixels. */
 extern const uint8_t raster_cell_shift[5][2];
 

@@ -38,7 +38,7 @@ enum raster_rate {
 #define RASTER_LEAST_LIGHTS 4u /* of the last rung */
 
 struct raster_quality {
-    uint8_t rate[SCENE_MAX_MATERIALS]; /* enum raster_rate */
+    uint8_t rate[RASTER_CLASSES]; /* enum raster_rate, of each of the survey's classes */
     uint8_t lights; /* how many of a tile's lights are evaluated, the strongest first; RASTER_ALL_LIGHTS: all */
 };
 
@@ -59,12 +59,12 @@ enum raster_drawing raster_tile_draw(const struct raster *r, struct raster_tile 
 /* Begins a tile again, with the coarsest level of every object, of a frame with costs: for a tile whose time does not suffice. */
 void raster_tile_restart(const struct raster *r, uint32_t index, struct raster_tile *t);
 
-/* Counts the pixels that wait for their shading, and finds the lights that may reach them. The result lives in the tile until
+/* Counts the pixels that wait for their shading, sorted into classes, and finds the lights that may reach them. The result lives in the tile until
  * its slots are freed or it is finished. */
 const struct raster_survey *raster_tile_survey(const struct raster *r, struct raster_tile *t,
                                                const struct raster_rect *rect);
 
-/* Shades what waits in a region, after raster_tile_survey. Each region once. Materials of rate 1x1 that are shaded in rows wait on,
+/* Shades what waits in a region, after raster_tile_survey. Each region once. Surfaces of rate 1x1 that are shaded in rows wait on,
  * for raster_tile_finish or raster_tile_free_slots. */
 void raster_tile_shade(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, uint32_t region,
                        const struct raster_quality *q, struct raster_stats *stats);
@@ -89,6 +89,13 @@ enum raster_shading {
     RASTER_SHADE_COUNT
 };
 enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate);
+
+/*
+ * What a rate errs, expected: squared 8-bit steps of the displayed pixel, summed over pixels and colours; at most 2^28. Shading a cell by
+ * one sample errs by the gradient times the distance from it: gradients are what the last frame of the same surfaces had
+ * (raster_memory), a constant where that is not known.
+ */
+uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, enum raster_rate rate);
 
 /*
  * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make

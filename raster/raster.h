@@ -59,8 +59,9 @@ struct raster_frame {
     uint8_t format;  /* enum raster_format */
     uint8_t samples; /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
     const struct raster_costs
-        *costs;           /* what the target takes (quality.h): tiles' bounds are found; NULL: they are not */
-    uint32_t tile_budget; /* ticks, mean over tiles; 0: no limit. Needs costs */
+        *costs;                   /* what the target takes (quality.h): tiles' bounds are found; NULL: they are not */
+    uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs costs */
+    struct raster_memory *memory; /* zero at first; NULL: nothing is remembered. No two threads' tiles may share it */
 };
 
 struct raster_rect {
@@ -166,6 +167,9 @@ struct raster_slot {  /* a meshlet in this tile: what shading needs of it */
     int16_t frame[9]; /* columns: its frame's axes in eye space, Q14 */
     uint8_t material;
     uint8_t normal_shift; /* from 1/w to the normal's third coordinate */
+    uint8_t class_id;     /* see raster_survey; 0 without a survey */
+    uint8_t contrast;
+    uint16_t memory; /* index into raster_memory */
 };
 
 struct raster_batch_pixel {
@@ -191,7 +195,16 @@ struct raster_batch {
 #define RASTER_REGIONS(edge) (((edge) + (1u << RASTER_REGION_SHIFT) - 1) >> RASTER_REGION_SHIFT)
 #define RASTER_MAX_REGIONS   (RASTER_REGIONS(RASTER_TILE_WIDTH) * RASTER_REGIONS(RASTER_TILE_HEIGHT))
 
-/* What waits for its shading, of one material. Cells are of 4 x 4 pixels, aligned in the tile. */
+/*
+ * What a tile's shading tells the same surfaces' next frame: by a hash of object and meshlet, one plus the contrast of what it showed,
+ * 0: unknown. Contrast is log2 of 1 + (the range of its green, in 8-bit steps)^2 / its pixels: the square of its gradient, roughly.
+ */
+#define RASTER_MEMORY_SHIFT 12
+struct raster_memory {
+    uint8_t contrast[1 << RASTER_MEMORY_SHIFT];
+};
+
+/* What waits for its shading, of one class. Cells are of 4 x 4 pixels, aligned in the tile. */
 struct raster_area {
     uint16_t pixels; /* samples of them, where there are 4 in a pixel */
     uint16_t cells;  /* pairs of a cell and a meshlet that shows in it: what is shaded at rate 4x4 */
@@ -202,13 +215,17 @@ struct raster_light_box {
     struct vec3 lo, hi;
 };
 
-/* Of a tile that is drawn. Materials are those of the scene: further rows are not filled. */
+/* Of a tile that is drawn. Its meshlets are sorted into classes, which get a rate each: by how they are shaded, and by contrast. */
+#define RASTER_CLASSES 8u
 struct raster_survey {
-    uint32_t regions;      /* of the tile, row-major */
-    uint32_t slots;        /* taken: the most that a flat tile evaluates */
-    uint32_t point_lights; /* that may reach one of its surfaces */
-    struct raster_area total[SCENE_MAX_MATERIALS];
-    struct raster_area area[SCENE_MAX_MATERIALS][RASTER_MAX_REGIONS];
+    uint32_t regions;                 /* of the tile, row-major */
+    uint32_t slots;                   /* taken: the most that a flat tile evaluates */
+    uint32_t point_lights;            /* that may reach one of its surfaces */
+    uint32_t classes;                 /* some may be without pixels */
+    uint8_t material[RASTER_CLASSES]; /* one of the class: all its materials are shaded alike */
+    uint32_t detail[RASTER_CLASSES];  /* 2^contrast, summed over pixels */
+    struct raster_area total[RASTER_CLASSES];
+    struct raster_area area[RASTER_CLASSES][RASTER_MAX_REGIONS];
 };
 
 struct raster_tile {
@@ -227,8 +244,10 @@ struct raster_tile {
         };
         struct {
             struct raster_survey survey;
-            struct raster_light_box box; /* what is seen, where there are point lights */
-            uint32_t flat[RASTER_SLOTS]; /* a slot's finished colour, see shade.c */
+            struct raster_light_box box;                   /* what is seen, where there are point lights */
+            uint32_t flat[RASTER_SLOTS];                   /* a slot's finished colour, see shade.c */
+            uint16_t pixels[RASTER_SLOTS];                 /* that show it */
+            uint8_t low[RASTER_SLOTS], high[RASTER_SLOTS]; /* of its green; low above high: nothing is known */
         } shading;
     } m;
     int32_t centre_x2,
@@ -237,6 +256,7 @@ struct raster_tile {
     uint32_t meshlet;    /* that */
     uint32_t run_left;   /* older ones in its run */
     uint32_t slot_count; /* used, without slot 0 */
+    struct raster_memory *memory;                  /* the frame's, from the survey on */
     uint32_t light_reaches[SCENE_MAX_LIGHTS / 32]; /* lights that may reach a surface of the tile */
     uint32_t light_chosen[SCENE_MAX_LIGHTS / 32];  /* of these, the strongest */
     uint32_t light_count, chosen_count;            /* how many they are */

@@ -7,8 +7,7 @@
 #include "func.h"
 #include "quality.h"
 
-#define FLAT_KNOWN  0x80000000u
-#define NO_MATERIAL UINT32_MAX
+#define FLAT_KNOWN 0x80000000u
 
 /* Surfaces of one material being shaded, and the region they are in. */
 struct shading {
@@ -18,7 +17,8 @@ struct shading {
     uint32_t width, height; /* of the tile, pixels */
     const struct raster_quality *quality;
     uint32_t material;
-    uint32_t other;         /* one that was met, too */
+    enum raster_rate rate;
+    uint32_t other;         /* slot of another material or rate that was met, too; 0: none */
     uint8_t format;         /* of a finished value */
     uint8_t cell_x, cell_y; /* log2 of a cell's edges, in samples */
     bool mean;              /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
@@ -59,9 +59,24 @@ static void put_cell(const struct shading *o, uint32_t index, uint32_t value)
                 raster_put_colour(&s[x], value);
 }
 
+/* Keeps the range of a meshlet's green. */
+static void note_values(const struct shading *o, const uint32_t *value)
+{
+    const struct raster_batch *b = &o->t->batch;
+    for (uint32_t i = 0; i < b->count; i++) {
+        const uint32_t slot = raster_slot_of(&o->t->surface[b->surface[i]]);
+        const uint8_t green = (uint8_t)(o->format == RASTER_RGB565 ? value[i] >> 5 << 2 : value[i] >> 8);
+        uint8_t *low = &o->t->m.shading.low[slot], *high = &o->t->m.shading.high[slot];
+        *low = green < *low ? green : *low;
+        *high = green > *high ? green : *high;
+    }
+}
+
 static void put_values(const struct shading *o, const uint32_t *value)
 {
     const struct raster_batch *b = &o->t->batch;
+    if (o->t->memory && !o->flat)
+        note_values(o, value);
     if (o->flat)
         for (uint32_t i = 0; i < b->count; i++)
             o->t->m.shading.flat[raster_slot_of(&o->t->surface[b->surface[i]])] = value[i] | FLAT_KNOWN;
@@ -208,22 +223,22 @@ static void gather_run(const struct shading *o, struct raster_block *k, uint32_t
     }
 }
 
-static inline bool waits_for_rows(const struct shading *o, uint32_t material)
+static inline bool waits_for_rows(const struct shading *o, const struct raster_slot *slot)
 {
-    return o->r->in_rows[material] && o->quality->rate[material] == RASTER_RATE_1X1;
+    return o->r->in_rows[slot->material] && o->quality->rate[slot->class_id] == RASTER_RATE_1X1;
 }
 
-/* Whether a surface is of the material being shaded. Takes note of others. */
+/* Whether a surface is of the material and rate being shaded. Takes note of others. */
 static inline bool is_wanted(struct shading *o, const struct raster_surface *s)
 {
     const uint32_t slot = raster_slot_of(s);
     if (!slot)
         return false;
-    const uint32_t material = o->t->slots[slot].material;
-    if (material == o->material)
+    const struct raster_slot *info = &o->t->slots[slot];
+    if (info->material == o->material && o->quality->rate[info->class_id] == o->rate)
         return true;
-    if (!waits_for_rows(o, material))
-        o->other = material;
+    if (!waits_for_rows(o, info))
+        o->other = slot;
     return false;
 }
 
@@ -433,9 +448,10 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
     }
 }
 
-/* The cells of a material's rate, in samples. */
-static void choose_cells(struct shading *o, enum raster_rate rate)
+/* The cells of the rate, in samples. */
+static void choose_cells(struct shading *o)
 {
+    const enum raster_rate rate = o->rate;
     const uint8_t sample_shift = o->r->sample_shift;
     o->flat = rate == RASTER_RATE_FLAT;
     o->mean = rate != RASTER_RATE_1X1;
@@ -447,8 +463,8 @@ static void choose_cells(struct shading *o, enum raster_rate rate)
     o->cell_y = (uint8_t)(raster_cell_shift[rate][1] + sample_shift);
 }
 
-/* Of the region's first surface that waits for blocks. */
-static uint32_t find_material(const struct shading *o, uint32_t x0, uint32_t y0)
+/* That of the region's first surface that waits for blocks; 0: there is none. */
+static uint32_t find_slot(const struct shading *o, uint32_t x0, uint32_t y0)
 {
     const unsigned shift = o->r->sample_shift;
     const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
@@ -456,10 +472,10 @@ static uint32_t find_material(const struct shading *o, uint32_t x0, uint32_t y0)
     for (uint32_t y = y0 << shift; y < below << shift; y++) {
         const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
         for (uint32_t x = x0 << shift; x < right << shift; x++)
-            if (raster_slot_of(&row[x]) && !waits_for_rows(o, o->t->slots[raster_slot_of(&row[x])].material))
-                return o->t->slots[raster_slot_of(&row[x])].material;
+            if (raster_slot_of(&row[x]) && !waits_for_rows(o, &o->t->slots[raster_slot_of(&row[x])]))
+                return raster_slot_of(&row[x]);
     }
-    return NO_MATERIAL;
+    return 0;
 }
 
 void raster_tile_shade(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, uint32_t region,
@@ -477,11 +493,11 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
                         .format = raster_value_format(r)};
     t->batch.count = 0;
     raster_choose_lights(r, t, q->lights);
-    for (o.other = find_material(&o, x, y); o.other != NO_MATERIAL;) {
-        o.material = o.other;
-        o.other = NO_MATERIAL;
-        t->batch.material = o.material;
-        choose_cells(&o, q->rate[o.material]);
+    for (o.other = find_slot(&o, x, y); o.other;) {
+        o.material = t->batch.material = t->slots[o.other].material;
+        o.rate = (enum raster_rate)q->rate[t->slots[o.other].class_id];
+        o.other = 0;
+        choose_cells(&o);
         if (o.flat)
             shade_flat(&o, x, y, stats);
         else

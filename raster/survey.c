@@ -1,11 +1,12 @@
 /*
- * What a drawn tile has to be shaded: counted by cells of 4 x 4 pixels, of which most show one meshlet.
+ * What a drawn tile has to be shaded: counted by cells of 4 x 4 pixels, and sorted into classes by what the last frame saw.
  */
 #include "internal.h"
 #include "quality.h"
 
-#define CELL_WORDS 16 /* with 4 samples per pixel */
-#define EACH_BYTE  0x01010101u
+#define UNKNOWN_CONTRAST 7
+#define CELL_WORDS       16 /* with 4 samples per pixel */
+#define EACH_BYTE        0x01010101u
 
 _Static_assert(RASTER_SLOTS <= 128, "slots are told apart by seven bits");
 
@@ -24,9 +25,10 @@ static uint32_t take_slot(uint32_t *word, uint32_t words, uint32_t slot)
 
 static inline void add_cell(struct raster_tile *t, uint32_t region, uint32_t slot, uint32_t samples)
 {
-    struct raster_area *area = &t->m.shading.survey.area[t->slots[slot].material][region];
+    struct raster_area *area = &t->m.shading.survey.area[t->slots[slot].class_id][region];
     area->pixels += (uint16_t)samples;
     area->cells++;
+    t->m.shading.pixels[slot] += (uint16_t)samples;
 }
 
 static inline uint32_t four_slots(const struct raster_surface *s)
@@ -87,29 +89,91 @@ static void count_cells(const struct raster *r, struct raster_tile *t, const str
         }
 }
 
+/* Sorts slots into classes: each way of shading gets as many, which share its range of contrast. */
+static void find_classes(const struct raster *r, struct raster_tile *t)
+{
+    struct raster_survey *s = &t->m.shading.survey;
+    uint8_t low[RASTER_SHADE_COUNT], high[RASTER_SHADE_COUNT], first[RASTER_SHADE_COUNT];
+    uint32_t kinds = 0, each;
+    _Static_assert(RASTER_SHADE_COUNT <= RASTER_CLASSES, "a class for every kind");
+    __builtin_memset(low, 255, sizeof low);
+    __builtin_memset(high, 0, sizeof high);
+    for (uint32_t i = 1; i <= t->slot_count; i++) {
+        struct raster_slot *slot = &t->slots[i];
+        const uint8_t known = t->memory ? t->memory->contrast[slot->memory] : 0;
+        const enum raster_shading k = raster_shading_of(r, slot->material, RASTER_RATE_1X1);
+        slot->contrast = known ? known - 1 : UNKNOWN_CONTRAST;
+        if (low[k] == 255)
+            first[k] = (uint8_t)kinds++;
+        low[k] = slot->contrast < low[k] ? slot->contrast : low[k];
+        high[k] = slot->contrast > high[k] ? slot->contrast : high[k];
+    }
+    each = kinds ? RASTER_CLASSES / kinds : 0;
+    s->classes = kinds * each;
+    for (uint32_t i = 1; i <= t->slot_count; i++) {
+        struct raster_slot *slot = &t->slots[i];
+        const enum raster_shading k = raster_shading_of(r, slot->material, RASTER_RATE_1X1);
+        slot->class_id = (uint8_t)(first[k] * each + (slot->contrast - low[k]) * each / (high[k] - low[k] + 1u));
+        s->material[slot->class_id] = slot->material;
+    }
+}
+
+static void sum_classes(struct raster_tile *t)
+{
+    struct raster_survey *s = &t->m.shading.survey;
+    for (uint32_t c = 0; c < s->classes; c++) {
+        struct raster_area *sum = &s->total[c];
+        *sum = (struct raster_area){0, 0};
+        s->detail[c] = 0;
+        for (uint32_t i = 0; i < s->regions; i++) {
+            sum->pixels += s->area[c][i].pixels;
+            sum->cells += s->area[c][i].cells;
+        }
+    }
+    for (uint32_t i = 1; i <= t->slot_count; i++)
+        s->detail[t->slots[i].class_id] += (uint32_t)t->m.shading.pixels[i] << t->slots[i].contrast; /* <= 2^(12+15) */
+}
+
 const struct raster_survey *raster_tile_survey(const struct raster *r, struct raster_tile *t,
                                                const struct raster_rect *rect)
 {
     struct raster_survey *s = &t->m.shading.survey;
-    const uint32_t materials = r->frame.scene->header->materials.count;
     bool any = false;
     s->regions = RASTER_REGIONS(rect->width) * RASTER_REGIONS(rect->height);
     s->slots = t->slot_count;
-    __builtin_memset(s->area, 0, materials * sizeof s->area[0]);
+    t->memory = r->frame.memory;
+    find_classes(r, t);
+    __builtin_memset(s->area, 0, s->classes * sizeof s->area[0]);
     __builtin_memset(t->m.shading.flat, 0, sizeof t->m.shading.flat);
+    __builtin_memset(t->m.shading.pixels, 0, sizeof t->m.shading.pixels);
+    __builtin_memset(t->m.shading.low, 255, sizeof t->m.shading.low);
+    __builtin_memset(t->m.shading.high, 0, sizeof t->m.shading.high);
     count_cells(r, t, rect);
-    for (uint32_t m = 0; m < materials; m++) {
-        struct raster_area *sum = &s->total[m];
-        *sum = (struct raster_area){0, 0};
-        for (uint32_t i = 0; i < s->regions; i++) {
-            sum->pixels += s->area[m][i].pixels;
-            sum->cells += s->area[m][i].cells;
-        }
-        any |= sum->pixels != 0;
-    }
+    sum_classes(t);
+    for (uint32_t c = 0; c < s->classes; c++)
+        any |= s->total[c].pixels != 0;
     t->light_count = 0;
     if (any)
         raster_find_lights(r, t, rect);
     s->point_lights = any ? t->light_count - r->directional : 0;
     return s;
+}
+
+void raster_remember(struct raster_tile *t)
+{
+    struct raster_memory *memory = t->memory;
+    t->memory = NULL;
+    if (!memory)
+        return;
+    for (uint32_t i = 1; i <= t->slot_count; i++) {
+        const uint32_t low = t->m.shading.low[i], high = t->m.shading.high[i], pixels = t->m.shading.pixels[i];
+        uint8_t *known = &memory->contrast[t->slots[i].memory];
+        if (low > high)
+            continue;
+        const uint32_t now = 32 - fx_clz(1 + (high - low) * (high - low) / pixels); /* one plus the contrast */
+        if (now > *known)
+            *known = (uint8_t)now;
+        else if (now + 3 < *known) /* less: coarse shading shows less of it */
+            *known -= 1;
+    }
 }

@@ -23,6 +23,7 @@ static void slot_setup(struct raster_slot *s, const struct raster_object *o, con
         }
     s->material = o->material;
     s->normal_shift = (uint8_t)normal_shift;
+    s->class_id = 0;
 }
 
 static void project(struct raster_vertex *p, const struct raster_object *o, const struct raster_clip_vertex *c,
@@ -81,6 +82,8 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     const struct scene_triangle *triangle = s->triangles + m->triangle_first;
     unsigned normal_shift = VISIBLE_GET_SHIFT(visible);
     slot_setup(&t->slots[slot], o, m, normal_shift);
+    t->slots[slot].memory = (uint16_t)((VISIBLE_MESHLET(visible) * 40503u + (uint32_t)(o - r->objects)) * 2654435761u >>
+                                       (32 - RASTER_MEMORY_SHIFT));
     if (visible & VISIBLE_SMALL) {
         raster_transform_small(t->m.small, o, vertex, m->vertex_count, normal_shift, centre_x2 - 256, centre_y2 - 256);
         raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
@@ -109,6 +112,7 @@ void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_til
                                  (uint16_t)((below < RASTER_TILE_HEIGHT ? below : RASTER_TILE_HEIGHT) >> shift)};
     *stats = (struct raster_stats){0};
     clear_surface(t);
+    t->memory = NULL;
     t->centre_x2 = r->width * 256 - (int32_t)x * 512 + 1;
     t->centre_y2 = r->height * 256 - (int32_t)y * 512 + 1;
     start_run(t, r, r->heads[index]);
