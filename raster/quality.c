@@ -51,18 +51,18 @@ static uint32_t square_root(uint32_t x)
     return root;
 }
 
-uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, const struct raster_area *a,
-                             enum raster_rate rate)
+uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, uint32_t class_id,
+                             const struct raster_area *a, enum raster_rate rate)
 {
     if (rate == RASTER_RATE_FLAT)
-        return lesser(a->cells, s->slots);
+        return lesser(a->cells, s->meshlets[class_id]);
     if (rate == RASTER_RATE_1X1 && !r->sample_shift)
         return a->pixels;
     return lesser((uint32_t)a->cells << (4 - raster_cell_shift[rate][0] - raster_cell_shift[rate][1]), a->pixels);
 }
 
 void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
-                           const struct raster_area *a)
+                           uint32_t class_id, const struct raster_area *a)
 {
     const uint32_t one = 1u << ONE_SHIFT, edge = 4u << r->sample_shift; /* of a cell that was counted */
     /* sqrt(cells/pixels) = (a + edge - 1)/(edge a); cells <= pixels <= 2^12 */
@@ -77,7 +77,7 @@ void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct ras
         samples[rate] = n;
     }
     samples[RASTER_RATE_4X4] = a->cells;
-    samples[RASTER_RATE_FLAT] = lesser(a->cells, s->slots);
+    samples[RASTER_RATE_FLAT] = lesser(a->cells, s->meshlets[class_id]);
 }
 
 uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,

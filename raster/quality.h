@@ -125,12 +125,12 @@ struct raster_costs {
         uint32_t flat;     /* a meshlet at rate flat, under RASTER_LEAST_LIGHTS lights of any kind */
     } shading[RASTER_SHADE_COUNT];
 };
-/* Samples of an area at a rate: at most (at rates 1x1 of one sample per pixel, 4x4 and in areas of whole cells this many); and what is
+/* Samples of a class's area at a rate: at most (at rates 1x1 of one sample per pixel, 4x4 and in areas of whole cells this many); and what is
  * likely, for all rates, without light or colour being known. */
-uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, const struct raster_area *a,
-                             enum raster_rate rate);
+uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, uint32_t class_id,
+                             const struct raster_area *a, enum raster_rate rate);
 void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
-                           const struct raster_area *a);
+                           uint32_t class_id, const struct raster_area *a);
 
 /* How many blocks, with planes of their own, a region is shaded in: 1 but near directions that a light comes from or goes to. */
 uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,

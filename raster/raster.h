@@ -223,6 +223,7 @@ struct raster_survey {
     uint32_t point_lights;            /* that may reach one of its surfaces */
     uint32_t classes;                 /* some may be without pixels */
     uint8_t material[RASTER_CLASSES]; /* one of the class: all its materials are shaded alike */
+    uint8_t meshlets[RASTER_CLASSES]; /* of the class, that show */
     uint32_t detail[RASTER_CLASSES];  /* 2^contrast, summed over pixels */
     struct raster_area total[RASTER_CLASSES];
     struct raster_area area[RASTER_CLASSES][RASTER_MAX_REGIONS];

@@ -125,13 +125,17 @@ static void sum_classes(struct raster_tile *t)
         struct raster_area *sum = &s->total[c];
         *sum = (struct raster_area){0, 0};
         s->detail[c] = 0;
+        s->meshlets[c] = 0;
         for (uint32_t i = 0; i < s->regions; i++) {
             sum->pixels += s->area[c][i].pixels;
             sum->cells += s->area[c][i].cells;
         }
     }
-    for (uint32_t i = 1; i <= t->slot_count; i++)
-        s->detail[t->slots[i].class_id] += (uint32_t)t->m.shading.pixels[i] << t->slots[i].contrast; /* <= 2^(12+15) */
+    for (uint32_t i = 1; i <= t->slot_count; i++) {
+        const uint32_t c = t->slots[i].class_id, pixels = t->m.shading.pixels[i];
+        s->detail[c] += pixels << t->slots[i].contrast; /* <= 2^(12+16) */
+        s->meshlets[c] += pixels != 0;
+    }
 }
 
 const struct raster_survey *raster_tile_survey(const struct raster *r, struct raster_tile *t,
