@@ -134,11 +134,7 @@ static void sum_classes(struct raster_tile *t)
     for (uint32_t i = 1; i <= t->slot_count; i++) {
         const uint32_t c = t->slots[i].class_id, pixels = t->m.shading.pixels[i];
         s->detail[c] += pixels << t->slots[i].contrast; /* <= 2^(12+16) */
-<<<<<<< Updated upstream
-        s->meshlets[c] += pixels != 0;
-=======
         s->meshlets[c] = (uint8_t)(s->meshlets[c] + (pixels != 0));
->>>>>>> Stashed changes
     }
 }
 
