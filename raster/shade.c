@@ -322,13 +322,18 @@ static uint32_t cell_mean(struct raster_surface *mean, const struct shading *o, 
     return c->index + nearest;
 }
 
-/* The surface at `index`, shaded with the normal of another. */
-static void gather_sample(const struct shading *o, struct raster_block *k, uint32_t index,
+/* The surface at `index`, shaded with the normal of another, as if in pixel row y of the block: rows never fall in a batch. */
+static void gather_sample(const struct shading *o, struct raster_block *k, uint32_t y, uint32_t index,
                           const struct raster_surface *normal, struct raster_stats *stats)
 {
-    const unsigned shift = o->r->sample_shift;
-    gather_run(o, k, (index % RASTER_TILE_WIDTH >> shift) - k->x, (index / RASTER_TILE_WIDTH >> shift) - k->y, index,
-               normal, 1, stats);
+    gather_run(o, k, (index % RASTER_TILE_WIDTH >> o->r->sample_shift) - k->x, y, index, normal, 1, stats);
+}
+
+/* Its middle row, pixels of the block: that of all cells beside it. */
+static uint32_t cell_row(const struct shading *o, const struct raster_block *k, const struct cell *c)
+{
+    const uint32_t first = c->index / RASTER_TILE_WIDTH;
+    return ((first + ((c->height - 1) >> 1)) >> o->r->sample_shift) - k->y;
 }
 
 /* Whether the cell's slot `slot` has been gathered, into the batch from entry `first` on. */
@@ -351,7 +356,7 @@ static void gather_mixed(struct shading *o, struct raster_block *k, const struct
             struct raster_surface mean = o->t->surface[index];
             if (!is_wanted(o, &mean) || is_gathered(o, first, raster_slot_of(&mean)))
                 continue;
-            gather_sample(o, k, o->mean ? cell_mean(&mean, o, c, x, y) : index, &mean, stats);
+            gather_sample(o, k, cell_row(o, k, c), o->mean ? cell_mean(&mean, o, c, x, y) : index, &mean, stats);
             if (o->t->batch.count == 1) /* the batch was flushed: what it held has its colour, and no slot */
                 first = 0;
         }
@@ -372,7 +377,7 @@ static void gather_cells(struct shading *o, struct raster_block *k, uint32_t wid
                 gather_mixed(o, k, &c, stats);
             } else if (is_wanted(o, &o->t->surface[c.index])) {
                 struct raster_surface mean = o->t->surface[c.index];
-                gather_sample(o, k, o->mean ? cell_corners(&mean, o, &c) : c.index, &mean, stats);
+                gather_sample(o, k, cell_row(o, k, &c), o->mean ? cell_corners(&mean, o, &c) : c.index, &mean, stats);
             }
         }
 }
@@ -441,7 +446,7 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
                     raster_put_colour(s, flat[raster_slot_of(s)] & ~FLAT_KNOWN);
                 } else if (!flat[raster_slot_of(s)]) {
                     flat[raster_slot_of(s)] = FLAT_KNOWN; /* soon */
-                    gather_sample(o, &k, index, &axis, stats);
+                    gather_sample(o, &k, (y >> shift) - y0, index, &axis, stats);
                 }
             }
         flush(o, &k, stats);
