@@ -1,15 +1,14 @@
 /* The plot page of gtlut check, by gnuplot (gtlut_check.h). */
 #include "gtlut_check.h"
 
-#include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "common.h"
+#include "host_gnuplot.h"
 
 static const char colours[][8] = {"#1b6ca8", "#d1495b", "#3c8d53", "#e09f3e", "#7b4fa3", "#5f6b76"};
 enum { COLOURS = sizeof colours / sizeof *colours, MAX_CURVES = 6 };
@@ -164,15 +163,6 @@ static void plot_states(FILE *f, const struct check *c)
     fputc('\n', f);
 }
 
-/* In gnuplot's single quotes. */
-static void put_quoted(FILE *f, const char *text)
-{
-    fputc('\'', f);
-    for (; *text; text++)
-        fputs((char[]){*text, *text == '\'' ? '\'' : 0, 0}, f);
-    fputc('\'', f);
-}
-
 void check_plot(const struct check *c, const char *title, const char *path)
 {
     struct stat st;
@@ -182,28 +172,17 @@ void check_plot(const struct check *c, const char *title, const char *path)
         die(EXIT_USAGE, "--plot: '%s' is neither a folder nor does it end in .svg", path);
     if (!c->count)
         die(EXIT_BAD_INPUT, "--plot: no finite samples to draw");
-    char *file = folder ? xasprintf("%s/check.svg", path) : xstrdup(path), *temporary = output_begin(file);
-    FILE *f = fopen(temporary, "w");
-    if (!f)
-        die(EXIT_FILE, "%s: %s; is its folder there and writable?", file, strerror(errno));
-    fclose(f);
-    signal(SIGPIPE, SIG_IGN);
-    f = popen("LC_ALL=C.UTF-8 gnuplot 2>&1 >/dev/null | head -c 300 >&2", "w");
-    if (!f)
-        die(EXIT_FILE, "--plot: %s; is gnuplot installed?", strerror(errno));
-    fputs("set terminal svg size 1200,900 font 'Helvetica,13' background '#ffffff'\nset encoding utf8\nset output ", f);
-    put_quoted(f, temporary);
-    fputs("\nset multiplot layout 2,2 title ", f);
-    put_quoted(f, title);
-    fputs(" noenhanced font ',16' margins 0.08,0.97,0.11,0.9 spacing 0.1,0.15\nset grid lc rgb '#dddddd'\n", f);
-    plot_plane(f, c);
-    plot_albedo(f, c);
-    plot_reciprocity(f, c);
-    plot_states(f, c);
-    fputs("unset multiplot\n", f);
-    int status = pclose(f);
-    if (status || stat(temporary, &st) || !st.st_size)
-        die(EXIT_FILE, "--plot: gnuplot wrote nothing to %s; install gnuplot-nox, or leave --plot out", file);
-    output_commit(temporary, file);
+    char *file = folder ? xasprintf("%s/check.svg", path) : xstrdup(path);
+    struct gnuplot g;
+    gnuplot_begin(&g, file, 1200, 900);
+    fputs("set multiplot layout 2,2 title ", g.to);
+    gnuplot_text(&g, title);
+    fputs(" noenhanced font big margins 0.08,0.97,0.11,0.9 spacing 0.1,0.15\nset grid lc rgb '#dddddd'\n", g.to);
+    plot_plane(g.to, c);
+    plot_albedo(g.to, c);
+    plot_reciprocity(g.to, c);
+    plot_states(g.to, c);
+    fputs("unset multiplot\n", g.to);
+    gnuplot_end(&g);
     free(file);
 }

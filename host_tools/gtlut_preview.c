@@ -43,7 +43,7 @@ static const char help[] =
     "Examples:\n"
     "  $ gtlut preview gold.ktx2 --against gold.csv -o gold_pictures\n"
     "  $ gtlut preview blue.bsdf --what sphere --envmap studio.exr -o blue.png\n"
-    "  $ gtlut preview merl_sgd.csv -o sheet.png\n";
+    "  $ gtlut preview merl_sgd.csv --size 48 -o sheet.png\n";
 
 enum { LOBE, PLOTS, SLICES, IMAGE_SLICES, SPHERE, SHEET, PICTURES };
 

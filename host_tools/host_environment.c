@@ -227,18 +227,25 @@ static double tolerance(const struct point *p, const double l[3])
     double h[3] = {l[0] + p->v[0], l[1] + p->v[1], l[2] + p->v[2]}, length = sqrt(dot(h, h));
     if (length < 1e-6)
         return p->coarseness * farthest;
-    double off = hypot(h[0], h[1]) / length, difference = fmax(length / 2, 0.1); /* cosine of the difference angle */
+    double off = sqrt(h[0] * h[0] + h[1] * h[1]) / length,
+           difference = fmax(length / 2, 0.1); /* cosine of the difference angle */
     return fmin(2 * difference * (p->coarseness * share * off + nearest), p->coarseness * farthest);
 }
 
 static void add_pixel(struct point *p, const struct environment_node *n, int parts)
 {
-    double all = environment_solid_angle(p->e, n->y);
+    double all = environment_solid_angle(p->e, n->y), across[SPLIT][2];
+    for (int i = 0; i < parts; i++) {
+        double longitude = pi * (1 - 2 * (n->x + (i + 0.5) / parts) / p->e->width);
+        across[i][0] = sin(longitude);
+        across[i][1] = cos(longitude);
+    }
     for (int j = 0; j < parts; j++) {
         double y0 = n->y + (double)j / parts, y1 = n->y + (j + 1.0) / parts, part = band(p->e, y0, y1) / all / parts;
+        double latitude = pi * (0.5 - (y0 + y1) / 2 / p->e->height), high = sin(latitude), flat = cos(latitude);
         for (int i = 0; i < parts; i++) {
-            double d[3], l[3];
-            environment_direction(d, p->e, n->x + (i + 0.5) / parts, (y0 + y1) / 2);
+            const double d[3] = {flat * across[i][0], high, flat * across[i][1]};
+            double l[3];
             to_local(l, p, d);
             add_light(p, l, l[2], n->power, part);
         }

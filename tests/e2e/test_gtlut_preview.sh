@@ -1,36 +1,7 @@
 #!/usr/bin/env bash
 # gtlut preview: what is in the pictures, by their numbers.
-set -u
-cd "$(dirname "$0")/../.." || exit 1
-B=$(cd "${B:-build}" && pwd) || exit 1
-G=$B/gtlut
-SVG=$PWD/tests/e2e/svg_images.mjs
-EXR=$PWD/tests/e2e/read_image.mjs
-DATA=$(cd "${GONIOTILE_DATA:-../shared/data}" 2>/dev/null && pwd)
-T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
-cd "$T" || exit 1
-n=0
-
-ok() { # claim command...
-    local claim=$1
-    shift
-    n=$((n + 1))
-    if "$@" >log 2>&1; then echo "ok $n - $claim"; else
-        echo "not ok $n - $claim"
-        sed 's/^/# /' log | head -20
-    fi
-}
-skip() { n=$((n + 1)) && echo "ok $n - $1 # SKIP $2"; }
-
-# refused code pattern arguments of gtlut preview...
-refused() {
-    local code=$1 pattern=$2 got
-    shift 2
-    "$G" preview "$@" >refused_out 2>refused_err
-    got=$?
-    [ $got = "$code" ] || { echo "exit code $got, not $code: $*"; cat refused_err; return 1; }
-    grep -qE "^gtlut: preview: .*$pattern" refused_err || { echo "no message like '$pattern': $*"; cat refused_err; return 1; }
-}
+. tests/e2e/gtlut_common.sh
+SVG=${READ_IMAGE%/*}/svg_images.mjs
 
 # A measurement of a diffuse material of albedo pi/4, and one of gold with few directions.
 awk 'BEGIN { print "theta_in,theta_out,phi_out,R,G,B"
@@ -49,7 +20,7 @@ lobe() {
     awk '{ want = NR % 2 ? 255 : 0; if ($4 != want) { print "point " NR ": alpha " $4; bad = 1 } } END { exit bad || NR != 34 }' outline || return 1
     node "$SVG" lobe.svg text | grep -q 'largest value 0.25' && node "$SVG" lobe.svg text | grep -q extrapolated
 }
-ok "the lobe of a diffuse material is a hemisphere; what lies beyond the measured angles is said to be extrapolated" lobe
+check "the lobe of a diffuse material is a hemisphere; what lies beyond the measured angles is said to be extrapolated" lobe
 
 plots() {
     local f m
@@ -63,7 +34,7 @@ plots() {
     "$G" build gold.csv --kind half_vector --size 1K -o half.ktx2 2>/dev/null && "$G" preview half.ktx2 --what plots -o half.svg || return 1
     ! node "$SVG" half.svg text | grep 'not measured'
 }
-ok "plots have axes with units; curves are dotted where a measurement ends, those of a half-vector table nowhere" plots
+check "plots have axes with units; curves are dotted where a measurement ends, those of a half-vector table nowhere" plots
 
 slices() {
     local k i
@@ -74,12 +45,12 @@ slices() {
     [ -n "$k" ] || { node "$SVG" slices.svg text; return 1; }
     # slice 3 stands at the lower right of the four in the EXR
     points=$(for y in 0 1 3 6; do for x in 0 2 6 11; do echo $x,$y; done; done)
-    paste <(node "$SVG" slices.svg 3 $points) <(node "$EXR" paper.exr $(for p in $points; do echo $((${p%,*} + 13)),$((${p#*,} + 7)); done)) |
+    paste <(node "$SVG" slices.svg 3 $points) <(node "$READ_IMAGE" paper.exr $(for p in $points; do echo $((${p%,*} + 13)),$((${p#*,} + 7)); done)) |
         awk -v k="$k" '{ for (c = 1; c <= 3; c++) { x = k * $(c + 3); x = x / (1 + x)
             want = 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ^ (1 / 2.4) - 0.055)
             if ($c - want > 0.7 || want - $c > 0.7) { print "texel " NR ": " $0 ", want " want; bad = 1 } } } END { exit bad || NR != 16 }'
 }
-ok "slices of a table show its texels by the formula that the page states" slices
+check "slices of a table show its texels by the formula that the page states" slices
 
 sample_slices() {
     "$G" preview gold.csv --what slices -o samples.svg && node "$SVG" samples.svg check || return 1
@@ -90,7 +61,7 @@ sample_slices() {
     "$G" preview gap.gtm --what slices -o gap.svg && node "$SVG" gap.svg text | grep -q 'filled in by interpolation' || return 1
     [ "$(node "$SVG" gap.svg 2 0,8 1,8)" = "$(printf '123 79 163\n123 79 163')" ] || [ "$(node "$SVG" gap.svg 2 1,8 2,8)" = "$(printf '123 79 163\n123 79 163')" ]
 }
-ok "slices of a measurement show its samples, what was filled in hatched" sample_slices
+check "slices of a measurement show its samples, what was filled in hatched" sample_slices
 
 image_slices() {
     "$G" preview paper.ktx2 --against paper.ktx2 --what image_slices -o same.svg && node "$SVG" same.svg check || return 1
@@ -103,15 +74,15 @@ image_slices() {
     node "$SVG" one.svg 0 40,120 50,150 80,130 8,100 | awk '{ if ($1 != $2 || $2 != $3 || $1 < 134 || $1 > 142) { print; bad = 1 } } END { exit bad || NR != 4 }' || return 1
     node "$SVG" one.svg 0 {20..27},20 | grep -cx '224 159 62' | grep -qx 2
 }
-ok "image slices of the same differ by nothing; what was not measured is hatched" image_slices
+check "image slices of the same differ by nothing; what was not measured is hatched" image_slices
 
 sphere() {
     "$G" preview diffuse.csv --what sphere --envmap white.hdr --size 16 -o sphere.exr || return 1
-    node "$EXR" sphere.exr $(for i in {2..13}; do echo $i,7 7,$i; done) >values
+    node "$READ_IMAGE" sphere.exr $(for i in {2..13}; do echo $i,7 7,$i; done) >values
     awk '{ for (c = 1; c <= 3; c++) if ($c < 0.775 || $c > 0.796) { print "value " $0; bad = 1 } } END { exit bad || NR != 24 }' values || return 1
-    node "$EXR" sphere.exr 0,0 15,15 | grep -vx '0 0 0' && return 1
+    node "$READ_IMAGE" sphere.exr 0,0 15,15 | grep -vx '0 0 0' && return 1
     "$G" preview diffuse.csv --what sphere --envmap white.hdr --size 16 --threads 1 -o one.exr || return 1
-    diff <(node "$EXR" one.exr $(for i in {2..13}; do echo $i,7 7,$i; done)) values || return 1
+    diff <(node "$READ_IMAGE" one.exr $(for i in {2..13}; do echo $i,7 7,$i; done)) values || return 1
     "$G" preview diffuse.csv --what sphere --size 24 -o sphere.svg && node "$SVG" sphere.svg check || return 1
     "$G" preview diffuse.csv --what sphere --size 24 --exposure 3 -o bright.svg || return 1
     node "$SVG" sphere.svg images | grep -qx '0 24 24 3' || return 1
@@ -119,14 +90,14 @@ sphere() {
     awk 'NR == 1 { a = $1 } NR == 2 { b = $1 } NR == 3 { c = $1 } END { exit !(a > b + 40 && c > a && a > 100) }' \
         <(node "$SVG" sphere.svg 0 9,8 14,20; node "$SVG" bright.svg 0 9,8)
 }
-ok "a sphere in a white furnace shows its albedo, by one thread as by several; the built-in room lights from above" sphere
+check "a sphere in a white furnace shows its albedo, by one thread as by several; the built-in room lights from above" sphere
 
 mesh() {
     printf 'v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n' >square.obj
     "$G" preview diffuse.csv --what sphere --mesh square.obj --turn 0 --envmap white.hdr --size 20 -o mesh.exr || return 1
-    node "$EXR" mesh.exr 10,10 | awk '{ exit !($1 > 0.775 && $1 < 0.796) }'
+    node "$READ_IMAGE" mesh.exr 10,10 | awk '{ exit !($1 > 0.775 && $1 < 0.796) }'
 }
-ok "a mesh takes the sphere's place" mesh
+check "a mesh takes the sphere's place" mesh
 
 sheet() {
     mkdir materials && cp diffuse.csv paper.ktx2 materials && cp half.ktx2 "materials/a'b.ktx2" && echo "no material" >materials/README.txt
@@ -134,7 +105,7 @@ sheet() {
     [ "$(node "$SVG" sheet.svg text | grep -E 'csv|ktx2' | sed 's/&#39;/'"'"'/')" = "$(printf "a'b.ktx2\ndiffuse.csv\npaper.ktx2")" ] || { node "$SVG" sheet.svg text; return 1; }
     node "$SVG" sheet.svg images | grep -qE '^0 [0-9]+ [0-9]+ 3$'
 }
-ok "a folder becomes a contact sheet of the materials in it, each with its name" sheet
+check "a folder becomes a contact sheet of the materials in it, each with its name" sheet
 
 fits() {
     "$G" preview "$DATA/brdf/merl_sgd.csv" --size 8 -o fits.svg && node "$SVG" fits.svg check || return 1
@@ -142,7 +113,7 @@ fits() {
     cut -d, -f1 "$DATA/brdf/merl_sgd.csv" | tail -n +2 | diff - <(head -60 names)
 }
 if [ -r "$DATA/brdf/merl_sgd.csv" ]; then
-    ok "60 fits stand on one page" fits
+    check "60 fits stand on one page" fits
 else
     skip "60 fits stand on one page" "no data folder"
 fi
@@ -154,7 +125,7 @@ folder() {
     for f in pictures/*.png; do [ "$(head -c 4 "$f" | tail -c 3)" = PNG ] || return 1; done
     "$G" preview half.ktx2 --size 16 -o pictures # once more into the same folder
 }
-ok "without --what a folder gets all pictures" folder
+check "without --what a folder gets all pictures" folder
 
 refusals() {
     head -c 900 paper.ktx2 >short.ktx2
@@ -162,22 +133,26 @@ refusals() {
     head -c 300 sphere.exr >short.exr
     printf 'v 1 2 3\n' >empty.obj
     mkdir nothing
-    refused 3 'missing.csv' missing.csv -o x.svg --what lobe && refused 4 'short.ktx2' short.ktx2 -o x.svg --what lobe &&
-        refused 4 'short.ktx2' half.ktx2 --against short.ktx2 -o x.svg --what image_slices &&
-        refused 4 'short.hdr' half.ktx2 --envmap short.hdr -o x.svg --what sphere &&
-        refused 4 'short.exr' half.ktx2 --envmap short.exr -o x.svg --what sphere &&
-        refused 3 'missing.exr' half.ktx2 --envmap missing.exr -o x.svg --what sphere &&
-        refused 4 'empty.obj' half.ktx2 --mesh empty.obj -o x.svg --what sphere &&
-        refused 4 'nothing: no file' nothing -o x.svg && refused 2 "'lobes' is none of" half.ktx2 -o x.svg --what lobes &&
-        refused 2 'is one file' half.ktx2 -o x.svg --what lobe,plots && refused 2 'is one file' half.ktx2 -o x.svg &&
-        refused 2 'of a folder or a table of fits' half.ktx2 -o x.svg --what sheet &&
-        refused 2 'only the sheet' materials -o x.svg --what lobe && refused 2 '0..89|89' half.ktx2 -o x.svg --what lobe --theta-in 90 &&
-        refused 3 'no/such' half.ktx2 -o no/such/x.svg --what lobe && refused 2 'no output' half.ktx2 || return 1
-    [ ! -e x.svg ] || { echo "x.svg was written"; return 1; }
+    refused 3 'missing.csv' preview missing.csv -o out.png --what lobe &&
+        refused 4 'short.ktx2' preview short.ktx2 -o out.png --what lobe &&
+        refused 4 'short.ktx2' preview half.ktx2 --against short.ktx2 -o out.png --what image_slices &&
+        refused 4 'short.hdr' preview half.ktx2 --envmap short.hdr -o out.exr &&
+        refused 4 'short.exr' preview half.ktx2 --envmap short.exr -o out.png --what sphere &&
+        refused 3 'missing.exr' preview half.ktx2 --envmap missing.exr -o out.png --what sphere &&
+        refused 4 'empty.obj' preview half.ktx2 --mesh empty.obj -o out.exr &&
+        refused 4 'nothing: no file' preview nothing -o out.png &&
+        refused 2 "'lobes' is none of" preview half.ktx2 -o out.png --what lobes &&
+        refused 2 'is one file' preview half.ktx2 -o out.png --what lobe,plots &&
+        refused 2 'is one file' preview half.ktx2 -o out.png &&
+        refused 2 'of a folder or a table of fits' preview half.ktx2 -o out.png --what sheet &&
+        refused 2 'only the sheet' preview materials -o out.png --what lobe &&
+        refused 2 '--theta-in.* 89' preview half.ktx2 -o out.png --what lobe --theta-in 90 &&
+        refused 3 'no/such' preview half.ktx2 -o no/such/x.svg --what lobe &&
+        refused 2 'no output' preview half.ktx2 || return 1
     mkdir bin && ln -s "$(command -v head)" bin/head
     PATH=$PWD/bin "$G" preview half.ktx2 -o x.svg --what plots 2>err
     [ $? = 3 ] && grep -q 'install gnuplot' err && [ ! -e x.svg ] || { cat err; return 1; }
 }
-ok "corrupt files, wrong options and a missing gnuplot end in their exit codes and leave nothing behind" refusals
+check "corrupt files, wrong options and a missing gnuplot end in their exit codes and leave nothing behind" refusals
 
 echo "1..$n"
