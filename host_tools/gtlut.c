@@ -21,6 +21,7 @@ static const char help[] =
     "  build SOURCE -o out.ktx2      measurement file, CSV, .bsdf, fit or table to a table\n"
     "  info FILE                     describe a measurement or a table\n"
     "  export TABLE -o out.exr|.png  all texels of a table as one image\n"
+    "  atlas TABLE... -o out.ktx2    several materials' tables in one texture, and out of it again\n"
     "  fit FILE --model NAME         the analytic material that comes nearest to a measurement\n"
     "  preview INPUT -o FOLDER|FILE  pictures: lobe, plots, slices, a sphere under an environment, contact sheet\n"
     "\n"
@@ -67,7 +68,8 @@ int main(int argc, char **argv)
         int (*run)(int argc, char **argv);
     } subcommands[] = {{"measure", gtlut_measure}, {"import", gtlut_import}, {"build", gtlut_build},
                        {"info", gtlut_info},       {"export", gtlut_export}, {"formats", gtlut_formats},
-                       {"check", gtlut_check},     {"fit", gtlut_fit},       {"preview", gtlut_preview}};
+                       {"check", gtlut_check},     {"fit", gtlut_fit},       {"preview", gtlut_preview},
+                       {"atlas", gtlut_atlas}};
     common_set_name("gtlut", NULL);
     if (argc < 2)
         die(EXIT_USAGE, "no subcommand; see gtlut --help");

@@ -5,6 +5,8 @@
 #define HOST_TOOLS_GTLUT_H
 
 #include <getopt.h>
+#include <stdbool.h>
+#include <stddef.h>
 
 int gtlut_measure(int argc, char **argv);
 int gtlut_import(int argc, char **argv);
@@ -15,6 +17,10 @@ int gtlut_formats(int argc, char **argv);
 int gtlut_check(int argc, char **argv);
 int gtlut_fit(int argc, char **argv);
 int gtlut_preview(int argc, char **argv);
+int gtlut_atlas(int argc, char **argv);
+
+/* What `info` prints of an atlas, which host_atlas.h recognises; takes `data` over. */
+void gtlut_atlas_describe(const char *path, void *data, size_t bytes, bool json);
 
 /* getopt_long for "-o FILE" and long options. Prints `help` and exits on --help; dies with EXIT_USAGE on an unknown option or
  * a missing value. Returns -1 at the end. */

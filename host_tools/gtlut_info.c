@@ -9,6 +9,7 @@
 #include "common.h"
 #include "gtlut_json.h"
 #include "gtlut_table.h"
+#include "host_atlas.h"
 #include "host_measurement.h"
 #include "host_metrics.h"
 
@@ -16,7 +17,7 @@ static const char help[] =
     "Usage: gtlut info FILE [--json]\n"
     "\n"
     "Describes a measurement (measurement file or CSV) or a table (KTX 2.0): size, axes, metadata, range of\n"
-    "the values and, for a table, the albedo. One `name: value` per line on stdout.\n"
+    "the values and, for a table, the albedo; or lists the tables of an atlas. One `name: value` per line on stdout.\n"
     "\n"
     "  --json  one JSON object instead\n"
     "\n"
@@ -297,6 +298,8 @@ int gtlut_info(int argc, char **argv)
     const char *path = gtlut_argument(argc, argv, "file");
     size_t bytes;
     void *data = read_file(path, MAX_FILE_BYTES, &bytes);
-    (table_recognise(data, bytes) ? describe_table : describe_measurement)(path, data, bytes, json);
+    (atlas_recognise(data, bytes)   ? gtlut_atlas_describe
+     : table_recognise(data, bytes) ? describe_table
+                                    : describe_measurement)(path, data, bytes, json);
     return EXIT_OK;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "host_atlas.h"
 
 static const double degree = 3.14159265358979323846 / 180;
 
@@ -20,6 +21,8 @@ void table_open(struct table_file *out, const char *path, void *data, size_t byt
     out->data = data;
     out->bytes = bytes;
     enum lut_status status = ktx2_open(&out->view, data, bytes);
+    if (atlas_recognise(data, bytes))
+        die(EXIT_BAD_INPUT, "%s: an atlas; gtlut atlas --extract takes a table out of it", path);
     if (status == LUT_OK)
         status = lut_open(&out->table, data, bytes);
     if (status != LUT_OK)

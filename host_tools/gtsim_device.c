@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "gtsim.h"
+#include "host_atlas.h"
 #include "host_model.h"
 
 static void parse_table(struct device_content *c, char *arg)
@@ -23,6 +24,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case 't':
         parse_table(c, arg);
         return 0;
+    case 'A':
+        c->atlas = arg;
+        return 0;
     case 'm':
         c->model = model_find(arg);
         if (c->model == MODEL_OF_SCENE && strcmp(arg, "scene"))
@@ -35,16 +39,15 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 
 static const struct argp_option options[] = {
     {"table", 't', "SLOT=FILE", 0, "a table into a table slot, 0 to 15; repeat for more", 0},
+    {"atlas", 'A', "FILE", 0, "the tables of an atlas into slots 0, 1, ...; a --table takes the place of one", 0},
     {"model", 'm', "MODEL", 0, MODEL_NAMES " or scene (scene)", 0},
     {0}};
 const struct argp content_argp = {options, parse_option, NULL, NULL, NULL, NULL, NULL};
 
-/* Loads a file into the device's slot. */
-static void slot_load(struct sim_device *d, uint32_t slot, const char *path)
+/* Loads what came from a file into the device's slot. */
+static void slot_fill(struct sim_device *d, uint32_t slot, const char *path, const uint8_t *data, size_t bytes)
 {
     struct usb_header h;
-    size_t bytes;
-    uint8_t *data = read_file(path, SCENE_MAX_BYTES, &bytes);
     uint32_t kind = slot ? USB_SLOT_TABLE : USB_SLOT_SCENE;
     if (!bytes)
         die(EXIT_BAD_INPUT, "%s: empty; give a %s", path, slot ? "table" : "scene");
@@ -60,6 +63,32 @@ static void slot_load(struct sim_device *d, uint32_t slot, const char *path)
         die(EXIT_REFUSED, "%s: %zu bytes, the slot's bank holds %u; build a smaller one", path, bytes, h.detail);
     if (h.status != USB_OK)
         die(EXIT_REFUSED, "%s: refused by the device: status %u, detail %u", path, h.status, h.detail);
+}
+
+static void slot_load(struct sim_device *d, uint32_t slot, const char *path)
+{
+    size_t bytes;
+    uint8_t *data = read_file(path, SCENE_MAX_BYTES, &bytes);
+    if (atlas_recognise(data, bytes))
+        die(EXIT_BAD_INPUT, "%s: an atlas; give it with --atlas", path);
+    slot_fill(d, slot, path, data, bytes);
+    free(data);
+}
+
+static void atlas_load(struct sim_device *d, const char *path)
+{
+    struct atlas a;
+    size_t bytes;
+    uint8_t *data = read_file(path, ATLAS_MAX_BYTES, &bytes);
+    atlas_open(&a, path, data, bytes);
+    if (a.tables > RASTER_MAX_SLOTS)
+        die(EXIT_REFUSED, "%s: %u tables, the device has %u slots; give fewer", path, a.tables, RASTER_MAX_SLOTS);
+    for (uint32_t i = 0; i < a.tables; i++) {
+        size_t table_bytes;
+        uint8_t *table = atlas_table(&table_bytes, &a, i);
+        slot_fill(d, i + 1, path, table, table_bytes);
+        free(table);
+    }
     free(data);
 }
 
@@ -69,6 +98,8 @@ void device_load(struct sim_device *d, const struct device_content *content)
     struct usb_header h;
     if (content->scene)
         slot_load(d, 0, content->scene);
+    if (content->atlas)
+        atlas_load(d, content->atlas);
     for (uint32_t i = 0; i < RASTER_MAX_SLOTS; i++)
         if (content->tables[i])
             slot_load(d, i + 1, content->tables[i]);

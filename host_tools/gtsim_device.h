@@ -6,11 +6,12 @@
 
 struct device_content {
     const char *scene; /* file, or NULL: none */
+    const char *atlas; /* file, or NULL: none; fills slots 0, 1, ... before `tables` */
     const char *tables[RASTER_MAX_SLOTS];
     uint32_t model; /* enum scene_material_kind for all materials, or MODEL_OF_SCENE */
 };
 
-/* --table and --model, as an argp child; its input is a struct device_content. */
+/* --atlas, --table and --model, as an argp child; its input is a struct device_content. */
 extern const struct argp content_argp;
 
 /* Bytes for a frame that let any scene be looked at: more than a device has. */

@@ -8,7 +8,7 @@
 #include <time.h>
 #include <zlib.h>
 
-#include "lut.h"
+#include "host_atlas.h"
 #include "scene.h"
 
 #define MAX_RETRIES 8 /* of messages that arrive damaged, without any progress between them */
@@ -17,6 +17,11 @@ struct push {
     const char *path, *name;
     long slot; /* table slot, -1: not given */
     bool json;
+    uint8_t *file;
+    size_t file_bytes;
+    struct atlas atlas; /* of no tables: the file is one table, or a scene */
+    long first;         /* table slot of an atlas */
+    /* What goes into one slot. */
     uint8_t *data;
     size_t bytes;
     uint32_t kind; /* enum usb_slot_kind */
@@ -53,16 +58,38 @@ static uint32_t crc_of(const struct push *p, size_t bytes)
     return (uint32_t)crc32(0, p->data, (uInt)bytes);
 }
 
-/* Reads the file, finds out what it is and checks it as the device will. */
-static void push_load(struct push *p)
+static void push_read(struct push *p)
+{
+    const char *slash = strrchr(p->path, '/');
+    p->name = slash ? slash + 1 : p->path;
+    p->file = read_file(p->path, ATLAS_MAX_BYTES, &p->file_bytes);
+    if (!atlas_recognise(p->file, p->file_bytes))
+        return;
+    atlas_open(&p->atlas, p->path, p->file, p->file_bytes);
+    p->first = p->slot < 0 ? 0 : p->slot;
+}
+
+/* Slots that the file fills. */
+static uint32_t push_parts(const struct push *p)
+{
+    return p->atlas.tables ? p->atlas.tables : 1;
+}
+
+/* Before anything is sent. */
+static void push_check_slots(const struct push *p, const struct usb_info *info)
+{
+    if (p->atlas.tables && (uint32_t)p->first + p->atlas.tables > info->slot_count - 1u)
+        die(EXIT_REFUSED, "%s: %u tables from slot %ld on, the device has table slots 0 to %u; give fewer", p->name,
+            p->atlas.tables, p->first, info->slot_count - 2u);
+}
+
+/* Finds out what the file is and checks it as the device will. */
+static void file_check(struct push *p)
 {
     static const uint8_t ktx2[] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb};
     static const uint8_t scene_magic[] = {'G', 'T', 'S', 'C'};
     struct lut_table table;
     struct scene scene;
-    const char *slash = strrchr(p->path, '/');
-    p->name = slash ? slash + 1 : p->path;
-    p->data = read_file(p->path, SCENE_MAX_BYTES, &p->bytes);
     if (p->bytes >= sizeof ktx2 && !memcmp(p->data, ktx2, sizeof ktx2)) {
         enum lut_status s = lut_open(&table, p->data, p->bytes);
         p->kind = USB_SLOT_TABLE;
@@ -81,14 +108,29 @@ static void push_load(struct push *p)
     } else
         die(EXIT_BAD_INPUT, "%s: neither a table (KTX 2.0) nor a scene of %zu bytes; build one with gtlut or gtscene",
             p->path, p->bytes);
+}
+
+/* Makes table i of an atlas, or the file, ready. */
+static void push_part(struct push *p, uint32_t i)
+{
+    if (p->atlas.tables) {
+        p->data = atlas_table(&p->bytes, &p->atlas, i);
+        p->kind = USB_SLOT_TABLE;
+        p->slot = p->first + (long)i;
+    } else {
+        p->data = p->file;
+        p->bytes = p->file_bytes;
+        file_check(p);
+    }
     p->crc = crc_of(p, p->bytes);
     p->where = p->slot < 0 ? xstrdup("scene") : xasprintf("table slot %ld", p->slot);
     p->what = xasprintf("%s of %zu bytes to %s", p->name, p->bytes, p->where);
 }
 
-static void push_free(struct push *p)
+static void part_free(struct push *p)
 {
-    free(p->data);
+    if (p->data != p->file)
+        free(p->data);
     free(p->where);
     free(p->what);
 }
@@ -180,7 +222,7 @@ static void json_string(const char *text)
 
 static void push_report(const struct push *p, size_t kept, double seconds)
 {
-    double rate = (double)(p->bytes - kept) / seconds;
+    double rate = seconds > 0 ? (double)(p->bytes - kept) / seconds : 0;
     if (p->json) {
         printf("{\"file\": ");
         json_string(p->path);
@@ -198,6 +240,48 @@ static const struct argp_option slot_option = {
     "slot", 'n', "N", 0, "table slot 0 to 15, as the scene's materials name it (tables only)", 0};
 static const struct argp_option json_option = {"json", 'j', NULL, 0, "print JSON", 0};
 
+/* Of an atlas that was pushed in part, what is there stays: the open upload would be lost. */
+static bool part_is_there(const struct usb_info *info, const struct push *p)
+{
+    const struct usb_slot_info *slot = &info->slots[device_slot(p)];
+    return p->atlas.tables && slot->kind == p->kind && slot->bytes == p->bytes && slot->crc == p->crc;
+}
+
+/* Sends one slot's content. */
+static void part_push(struct link *l, const struct usb_info *info, const struct push *p)
+{
+    struct usb_begin begin = {device_slot(p), p->kind, (uint32_t)p->bytes, p->crc};
+    struct reply r;
+    struct timespec t0, t1;
+    if (part_is_there(info, p)) {
+        push_verify(l, p);
+        push_report(p, p->bytes, 0);
+        return;
+    }
+    clock_gettime(CLOCK_MONOTONIC, &t0);
+    /* The same upload, cut off earlier, goes on where it stopped, when what the device has of it is right. */
+    size_t kept = info->upload_received;
+    if (info->upload_slot != begin.slot || info->upload_length != begin.length || info->upload_crc != begin.crc ||
+        kept > p->bytes || info->upload_found != crc_of(p, kept)) {
+        kept = 0;
+        link_request(l, &r, p->what, USB_MSG_BEGIN, &begin, sizeof begin);
+    }
+    push_content(l, p, kept);
+    if (link_interrupted())
+        push_abandon(l, NULL, p->what);
+    link_send(l, USB_MSG_COMMIT, NULL, 0);
+    link_receive(l, &r);
+    if (r.status == USB_ERR_CONTENT)
+        die(EXIT_REFUSED, "%s: refused by the device: %s; build it again with tools of the firmware's version", p->what,
+            p->kind == USB_SLOT_TABLE ? lut_status_text((enum lut_status)r.detail)
+                                      : scene_status_text((enum scene_status)r.detail));
+    if (r.status != USB_OK)
+        reply_refuse(&r, p->what);
+    clock_gettime(CLOCK_MONOTONIC, &t1);
+    push_verify(l, p);
+    push_report(p, kept, (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec));
+}
+
 void command_push(int argc, char **argv)
 {
     const struct argp_option options[] = {slot_option, json_option, {0}};
@@ -207,47 +291,31 @@ void command_push(int argc, char **argv)
         "FILE",
         "Sends a table (KTX 2.0, from gtlut) or a scene (from gtscene) to the device's flash. "
         "The device goes on with what it has until the new file is complete and checked; then its flash is read once "
-        "more and compared. A push that was cut off goes on where it stopped. Prints bytes, time and rate."
+        "more and compared. A push that was cut off goes on where it stopped. An atlas (from gtlut atlas) fills "
+        "as many table slots as it has tables, from --slot on (0). Prints bytes, time and rate."
         "\vExamples:\n"
         "  $ gtusb push six_models.blob\n"
-        "  $ gtusb push gold.ktx2 --slot 2",
+        "  $ gtusb push gold.ktx2 --slot 2\n"
+        "  $ gtusb push atlas.ktx2",
         device_options,
         NULL,
         NULL};
     struct push p = {.slot = -1};
     struct usb_info info;
-    struct reply r;
-    struct timespec t0, t1;
     options_parse(&argp, argc, argv, &p);
-    push_load(&p);
-    struct usb_begin begin = {device_slot(&p), p.kind, (uint32_t)p.bytes, p.crc};
-
+    push_read(&p);
+    push_part(&p, 0);
     struct link *l = device_open(&info);
-    clock_gettime(CLOCK_MONOTONIC, &t0);
+    push_check_slots(&p, &info);
     link_set_patience(l, 6);
-    /* The same upload, cut off earlier, goes on where it stopped, when what the device has of it is right. */
-    size_t kept = info.upload_received;
-    if (info.upload_slot != begin.slot || info.upload_length != begin.length || info.upload_crc != begin.crc ||
-        kept > p.bytes || info.upload_found != crc_of(&p, kept)) {
-        kept = 0;
-        link_request(l, &r, p.what, USB_MSG_BEGIN, &begin, sizeof begin);
+    for (uint32_t i = 0; i < push_parts(&p); i++) {
+        if (i)
+            push_part(&p, i);
+        part_push(l, &info, &p);
+        part_free(&p);
     }
-    push_content(l, &p, kept);
-    if (link_interrupted())
-        push_abandon(l, NULL, p.what);
-    link_send(l, USB_MSG_COMMIT, NULL, 0);
-    link_receive(l, &r);
-    if (r.status == USB_ERR_CONTENT)
-        die(EXIT_REFUSED, "%s: refused by the device: %s; build it again with tools of the firmware's version", p.what,
-            p.kind == USB_SLOT_TABLE ? lut_status_text((enum lut_status)r.detail)
-                                     : scene_status_text((enum scene_status)r.detail));
-    if (r.status != USB_OK)
-        reply_refuse(&r, p.what);
-    clock_gettime(CLOCK_MONOTONIC, &t1);
-    push_verify(l, &p);
-    push_report(&p, kept, (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec));
     device_close(l);
-    push_free(&p);
+    free(p.file);
 }
 
 void command_verify(int argc, char **argv)
@@ -266,13 +334,20 @@ void command_verify(int argc, char **argv)
     struct push p = {.slot = -1};
     struct usb_info info;
     options_parse(&argp, argc, argv, &p);
-    push_load(&p);
+    push_read(&p);
+    push_part(&p, 0);
     struct link *l = device_open(&info);
+    push_check_slots(&p, &info);
     link_set_patience(l, 6);
-    if (device_slot(&p) < info.slot_count && info.slots[device_slot(&p)].kind == USB_SLOT_EMPTY)
-        die(EXIT_MISMATCH, "%s: %s is empty; push the file", p.name, p.where);
-    push_verify(l, &p);
-    printf("%s is in %s: %zu bytes, CRC-32 %08x\n", p.name, p.where, p.bytes, p.crc);
+    for (uint32_t i = 0; i < push_parts(&p); i++) {
+        if (i)
+            push_part(&p, i);
+        if (device_slot(&p) < info.slot_count && info.slots[device_slot(&p)].kind == USB_SLOT_EMPTY)
+            die(EXIT_MISMATCH, "%s: %s is empty; push the file", p.name, p.where);
+        push_verify(l, &p);
+        printf("%s is in %s: %zu bytes, CRC-32 %08x\n", p.name, p.where, p.bytes, p.crc);
+        part_free(&p);
+    }
     device_close(l);
-    push_free(&p);
+    free(p.file);
 }
