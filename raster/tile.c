@@ -82,8 +82,9 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     const struct scene_triangle *triangle = s->triangles + m->triangle_first;
     unsigned normal_shift = VISIBLE_GET_SHIFT(visible);
     slot_setup(&t->slots[slot], o, m, normal_shift);
-    t->slots[slot].memory = (uint16_t)((VISIBLE_MESHLET(visible) * 40503u + (uint32_t)(o - r->objects)) * 2654435761u >>
-                                       (32 - RASTER_MEMORY_SHIFT));
+    t->slots[slot].memory =
+        (uint16_t)((VISIBLE_MESHLET(visible) * 2654435761u + (uint32_t)(o - r->objects) * 1367130551u) >>
+                   (32 - RASTER_MEMORY_SHIFT)); /* multiples of the golden section: even */
     if (visible & VISIBLE_SMALL) {
         raster_transform_small(t->m.small, o, vertex, m->vertex_count, normal_shift, centre_x2 - 256, centre_y2 - 256);
         raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
