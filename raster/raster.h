@@ -181,14 +181,18 @@ struct raster_batch_pixel {
 
 /* Pixels of one material in one shading block, row by row. */
 struct raster_batch {
-    struct raster_batch_pixel pixel[RASTER_BATCH];
+    union {
+        struct raster_batch_pixel pixel[RASTER_BATCH];
+        struct { /* shading in runs, which takes no pixels */
+            /* kd/pi * irradiance of a material under each light, 21 fraction bits */
+            uint32_t diffuse_colour[RASTER_RUN_LIGHTS][3];
+            uint32_t diffuse_material; /* whose, plus one; 0: none yet */
+        };
+    };
     uq12_20_t radiance[RASTER_BATCH][3];
     uint16_t surface[RASTER_BATCH]; /* index into the tile's */
     uint32_t count;
     uint32_t material;
-    /* kd/pi * irradiance of a material that is shaded in runs under each light, 21 fraction bits */
-    uint32_t diffuse_colour[RASTER_RUN_LIGHTS][3];
-    uint32_t diffuse_material; /* whose, plus one; 0: none yet */
 };
 
 #define RASTER_REGION_SHIFT  4 /* log2 of a region's edge, pixels: see quality.h */
