@@ -18,7 +18,7 @@
 
 static const char help[] =
     "Usage: gtlut atlas TABLE... -o out.ktx2|.exr|.png [--exposure F]\n"
-    "       gtlut atlas --extract I ATLAS -o table.ktx2 [--axes WxHxN --grid CxR]\n"
+    "  or:  gtlut atlas --extract I ATLAS -o table.ktx2 [--axes WxHxN --grid CxR]\n"
     "\n"
     "Puts tables of one kind and size into one texture, every slice of which is a grid of the tables' slices, and "
     "takes\n"

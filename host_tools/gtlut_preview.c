@@ -14,7 +14,7 @@
 
 static const char help[] =
     "Usage: gtlut preview INPUT -o FOLDER [options]\n"
-    "       gtlut preview INPUT --what NAME -o FILE.svg|FILE.png [options]\n"
+    "  or:  gtlut preview INPUT --what NAME -o FILE.svg|FILE.png [options]\n"
     "\n"
     "Pictures of a table or of a measurement of any format (gtlut formats). Of a folder, or of a table of fits, a "
     "contact\n"

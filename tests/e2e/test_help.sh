@@ -40,8 +40,9 @@ if [ -d "$DATA" ]; then
 fi
 gtscene build host_tools/scenes/oled.json -o "$work/user/oled.blob"
 
-lines() { # program: its examples that can run, once each; a window has nobody to close it
-    grep "^$1" "$work/commands" | while read -r c; do examples "$c"; done | awk '!seen[$0]++' | grep -v '^gtsim window' |
+lines() { # program: its examples that can run, once each. A window has nobody to close it, a sheet of sixty
+    # materials takes half a minute.
+    grep "^$1" "$work/commands" | while read -r c; do examples "$c"; done | awk '!seen[$0]++' | grep -vE '^gtsim window|sheet\.png' |
         if [ -d "$DATA" ]; then cat; else grep -vE 'blue\.|merl_sgd|meshes'; fi
 }
 cat >"$work/run.sh" <<'SH'
