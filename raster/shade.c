@@ -177,10 +177,10 @@ static inline void block_view(int32_t view[3], const struct shading *o, const st
         view[i] = (int32_t)(k->plane[i].base + x * k->plane[i].dx + y * k->plane[i].dy) + (1 << (VIEW_PLANE_BITS - 1));
 }
 
-/* Adds `count` surfaces of one slot from s on, side by side from pixel (x, y) of the block on, to its batch; more than one only where
- * the block is not exact. Their colours are for the surfaces from `index` on. */
+/* Adds `count` surfaces of one slot from s on to the block's batch, as at every `step`th pixel from (x, y) of the block on; more than one
+ * only where the block is not exact. Their colours are for the surfaces at every `step`th place from `index` on. */
 static void gather_run(const struct shading *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
-                       const struct raster_surface *s, uint32_t count, struct raster_stats *stats)
+                       const struct raster_surface *s, uint32_t count, uint32_t step, struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
     const struct raster_slot *slot = &o->t->slots[raster_slot_of(&o->t->surface[index])];
@@ -188,11 +188,12 @@ static void gather_run(const struct shading *o, struct raster_block *k, uint32_t
     int32_t frame[9], view[3]; /* the latter Q15 with VIEW_PLANE_BITS more, at x */
     raster_slot_frame(frame, slot);
     block_view(view, o, k, x, y);
-    for (const struct raster_surface *end = s + count; s != end; s++, x++, index++) {
+    for (const struct raster_surface *end = s + count; s != end; s++, x += step, index += step) {
         if (b->count == RASTER_BATCH)
             flush(o, k, stats);
 #ifdef RASTER_WIDE
-        const uint32_t eight = gather_eight(o->t, k, s, (uint32_t)(end - s), frame, view, x | y << 8, facing);
+        const uint32_t eight =
+            step > 1 ? 0 : gather_eight(o->t, k, s, (uint32_t)(end - s), frame, view, x | y << 8, facing);
         if (eight) {
             for (int i = 0; i < 3; i++)
                 view[i] += (int32_t)(eight * k->plane[i].dx);
@@ -217,9 +218,9 @@ static void gather_run(const struct shading *o, struct raster_block *k, uint32_t
         p->nv = nv;
         p->at = x | y << 8;
         b->surface[b->count++] = (uint16_t)index;
-        view[0] += (int32_t)k->plane[0].dx;
-        view[1] += (int32_t)k->plane[1].dx;
-        view[2] += (int32_t)k->plane[2].dx;
+        view[0] += (int32_t)(k->plane[0].dx * step);
+        view[1] += (int32_t)(k->plane[1].dx * step);
+        view[2] += (int32_t)(k->plane[2].dx * step);
     }
 }
 
@@ -242,6 +243,13 @@ static inline bool is_wanted(struct shading *o, const struct raster_surface *s)
     return false;
 }
 
+static struct raster_surface surface_mean(const struct raster_surface *a, const struct raster_surface *b)
+{
+    const int32_t u = lane_low(a->normal) + lane_low(b->normal) + 1,
+                  v = lane_high(a->normal) + lane_high(b->normal) + 1;
+    return (struct raster_surface){((a->depth_slot >> 8) + (b->depth_slot >> 8) + 1) >> 1 << 8, lanes(u >> 1, v >> 1)};
+}
+
 /* A block's row of pixels, each shaded by itself. */
 static void gather_row(struct shading *o, struct raster_block *k, uint32_t y, uint32_t width,
                        struct raster_stats *stats)
@@ -253,7 +261,31 @@ static void gather_row(struct shading *o, struct raster_block *k, uint32_t y, ui
         while (end < width && raster_slot_of(&row[end]) == slot)
             end++;
         if (is_wanted(o, &row[x]))
-            gather_run(o, k, x, y, index + x, &row[x], end - x, stats);
+            gather_run(o, k, x, y, index + x, &row[x], end - x, 1, stats);
+        x = end;
+    }
+}
+
+/* The same in cells of 2x1: of a slot's run, all but an odd first pixel are at even places. */
+static void gather_pairs(struct shading *o, struct raster_block *k, uint32_t y, uint32_t width,
+                         struct raster_stats *stats)
+{
+    const uint32_t index = (k->y + y) * RASTER_TILE_WIDTH + k->x;
+    const struct raster_surface *row = &o->t->surface[index];
+    for (uint32_t x = 0; x < width;) {
+        struct raster_surface mean[1 << (RASTER_BLOCK_SHIFT - 1)];
+        uint32_t end = x + 1, slot = raster_slot_of(&row[x]), count = 0;
+        while (end < width && raster_slot_of(&row[end]) == slot)
+            end++;
+        const uint32_t first = x + (x & 1);
+        if (is_wanted(o, &row[x])) {
+            if (first != x)
+                gather_run(o, k, x, y, index + x, &row[x], 1, 1, stats);
+            for (uint32_t i = first; i < end; i += 2)
+                mean[count++] = i + 1 < end ? surface_mean(&row[i], &row[i + 1]) : row[i];
+            if (count)
+                gather_run(o, k, first, y, index + first, mean, count, 2, stats);
+        }
         x = end;
     }
 }
@@ -326,7 +358,7 @@ static uint32_t cell_mean(struct raster_surface *mean, const struct shading *o, 
 static void gather_sample(const struct shading *o, struct raster_block *k, uint32_t y, uint32_t index,
                           const struct raster_surface *normal, struct raster_stats *stats)
 {
-    gather_run(o, k, (index % RASTER_TILE_WIDTH >> o->r->sample_shift) - k->x, y, index, normal, 1, stats);
+    gather_run(o, k, (index % RASTER_TILE_WIDTH >> o->r->sample_shift) - k->x, y, index, normal, 1, 1, stats);
 }
 
 /* Its middle row, pixels of the block: that of all cells beside it. */
@@ -389,11 +421,14 @@ static void shade_block(struct shading *o, uint32_t x, uint32_t y, unsigned shif
     const uint32_t width = right < edge ? right : edge, height = below < edge ? below : edge;
     struct raster_block k;
     raster_block_setup(&k, o->r, o->x0, o->y0, x, y, shift, exact);
-    if (o->cell_x | o->cell_y | o->r->sample_shift)
+    if (o->cell_y || o->r->sample_shift || (o->cell_x && exact))
         gather_cells(o, &k, width, height, stats);
     else
         for (uint32_t i = 0; i < height; i++)
-            gather_row(o, &k, i, width, stats);
+            if (o->cell_x)
+                gather_pairs(o, &k, i, width, stats);
+            else
+                gather_row(o, &k, i, width, stats);
     flush(o, &k, stats);
 }
 
