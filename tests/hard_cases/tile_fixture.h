@@ -135,7 +135,7 @@ static inline void frame_begin(const struct subject *s, unsigned width, unsigned
                              .format = RASTER_RGB888};
     assert_int_equal(raster_begin(&k.r, &f, k.arena, sizeof k.arena), RASTER_OK);
     memset(&k.tile, 0, sizeof k.tile);
-    k.tile.slots[1] = (struct raster_slot){{1 << 14, 0, 0, 0, 1 << 14, 0, 0, 0, 1 << 14}, 0, 0};
+    k.tile.slots[1] = (struct raster_slot){.frame = {1 << 14, 0, 0, 0, 1 << 14, 0, 0, 0, 1 << 14}};
     k.tile.slot_count = 1;
 }
 
