@@ -326,34 +326,6 @@ static uint32_t cell_corners(struct raster_surface *mean, const struct shading *
     return c->index + ((c->height - 1) >> 1) * RASTER_TILE_WIDTH + ((c->width - 1) >> 1);
 }
 
-/* The mean of a cell's samples that show the slot of the one at (x, y), its first. Returns the one that is nearest to the centre. */
-static uint32_t cell_mean(struct raster_surface *mean, const struct shading *o, const struct cell *c, uint32_t x,
-                          uint32_t y)
-{
-    const struct raster_surface *s = &o->t->surface[c->index];
-    const uint32_t slot = raster_slot_of(&s[y * RASTER_TILE_WIDTH + x]);
-    uint32_t u = 0, v = 0, depth = 0, count = 0, nearest = 0, best = UINT32_MAX;
-    for (; y < c->height; y++, x = 0)
-        for (; x < c->width; x++) {
-            const uint32_t i = y * RASTER_TILE_WIDTH + x;
-            if (raster_slot_of(&s[i]) != slot)
-                continue;
-            u += (uint32_t)(lane_low(s[i].normal) + 32768); /* so that division rounds one way; sums of 64 */
-            v += (uint32_t)(lane_high(s[i].normal) + 32768);
-            depth += s[i].depth_slot >> 8;
-            count++;
-            const int32_t dx = 2 * (int32_t)x + 1 - (1 << o->cell_x), dy = 2 * (int32_t)y + 1 - (1 << o->cell_y);
-            if ((uint32_t)(dx * dx + dy * dy) < best) {
-                best = (uint32_t)(dx * dx + dy * dy);
-                nearest = i;
-            }
-        }
-    const int32_t mean_u = (int32_t)((u + count / 2) / count) - 32768,
-                  mean_v = (int32_t)((v + count / 2) / count) - 32768;
-    *mean = (struct raster_surface){(depth + count / 2) / count << 8, lanes(mean_u, mean_v)};
-    return c->index + nearest;
-}
-
 /* The surface at `index`, shaded with the normal of another, as if in pixel row y of the block: rows never fall in a batch. */
 static void gather_sample(const struct shading *o, struct raster_block *k, uint32_t y, uint32_t index,
                           const struct raster_surface *normal, struct raster_stats *stats)
@@ -368,30 +340,61 @@ static uint32_t cell_row(const struct shading *o, const struct raster_block *k, 
     return ((first + ((c->height - 1) >> 1)) >> o->r->sample_shift) - k->y;
 }
 
-/* Whether the cell's slot `slot` has been gathered, into the batch from entry `first` on. */
-static bool is_gathered(const struct shading *o, uint32_t first, uint32_t slot)
+/* What a cell shows of one slot: sums over samples, and the first one's place. */
+struct part {
+    uint8_t slot, count;
+    uint16_t index;
+    uint32_t u, v, depth; /* u and v 2^15 more a sample, so that division rounds one way; sums of 64 */
+};
+
+static struct raster_surface part_mean(const struct part *p)
 {
-    const struct raster_batch *b = &o->t->batch;
-    for (uint32_t i = first; i < b->count; i++)
-        if (raster_slot_of(&o->t->surface[b->surface[i]]) == slot)
-            return true;
-    return false;
+    if (p->count == 1)
+        return (struct raster_surface){p->depth << 8, lanes((int32_t)(p->u - 32768), (int32_t)(p->v - 32768))};
+    const uint32_t half = p->count / 2;
+    return (struct raster_surface){
+        (p->depth + half) / p->count << 8,
+        lanes((int32_t)((p->u + half) / p->count) - 32768, (int32_t)((p->v + half) / p->count) - 32768)};
 }
 
-/* A cell with other slots, or cut. */
+/* A cell with other slots, or cut: up to 16 of them at a time. */
 static void gather_mixed(struct shading *o, struct raster_block *k, const struct cell *c, struct raster_stats *stats)
 {
-    uint32_t first = o->t->batch.count;
-    for (uint32_t y = 0; y < c->height; y++)
-        for (uint32_t x = 0; x < c->width; x++) {
-            const uint32_t index = c->index + y * RASTER_TILE_WIDTH + x;
-            struct raster_surface mean = o->t->surface[index];
-            if (!is_wanted(o, &mean) || is_gathered(o, first, raster_slot_of(&mean)))
-                continue;
-            gather_sample(o, k, cell_row(o, k, c), o->mean ? cell_mean(&mean, o, c, x, y) : index, &mean, stats);
-            if (o->t->batch.count == 1) /* the batch was flushed: what it held has its colour, and no slot */
-                first = 0;
+    uint32_t done[RASTER_SLOTS / 32] = {0};
+    for (bool more = true; more;) {
+        struct part part[16], *p = part, *end = part;
+        more = false;
+        for (uint32_t y = 0; y < c->height; y++)
+            for (uint32_t x = 0; x < c->width; x++) {
+                const uint32_t index = c->index + y * RASTER_TILE_WIDTH + x;
+                const struct raster_surface *s = &o->t->surface[index];
+                const uint32_t slot = raster_slot_of(s);
+                if (p == end || p->slot != slot) {
+                    for (p = part; p != end && p->slot != slot;)
+                        p++;
+                    if (p == end) {
+                        if (!is_wanted(o, s) || done[slot / 32] >> slot % 32 & 1)
+                            continue;
+                        if (end == part + 16) {
+                            more = true;
+                            continue;
+                        }
+                        *end++ = (struct part){.slot = (uint8_t)slot, .index = (uint16_t)index};
+                    }
+                }
+                if (!o->mean && p->count)
+                    continue;
+                p->u += (uint32_t)(lane_low(s->normal) + 32768);
+                p->v += (uint32_t)(lane_high(s->normal) + 32768);
+                p->depth += s->depth_slot >> 8;
+                p->count++;
+            }
+        for (p = part; p != end; p++) {
+            const struct raster_surface mean = part_mean(p);
+            done[p->slot / 32] |= 1u << p->slot % 32;
+            gather_sample(o, k, cell_row(o, k, c), p->index, &mean, stats);
         }
+    }
 }
 
 static void gather_cells(struct shading *o, struct raster_block *k, uint32_t width, uint32_t height,
