@@ -6,7 +6,7 @@
 
 #include "common.h"
 
-enum { SIDE = 180, PANEL = 330 };
+enum { SIDE = 180, PANEL = 2 * SIDE, GAP = 30 };
 
 /* Of one BRDF: rows of theta_d from 90 degrees down, columns of theta_h. */
 struct slice {
@@ -68,7 +68,7 @@ static void panel(struct gnuplot *g, int number, int panels, const char *title, 
             preview_hatch(pixels[y][x], s->mark[y][x], x, y);
             *marks |= 1u << s->mark[y][x];
         }
-    double width = panels * (PANEL + 20.0) + 70, left = 70 + number * (PANEL + 20.0);
+    double width = panels * (PANEL + (double)GAP) + 70, left = 70 + number * (PANEL + (double)GAP);
     fprintf(g->to, "set lmargin at screen %g\nset rmargin at screen %g\nset title ", left / width,
             (left + PANEL) / width);
     gnuplot_text(g, title);
@@ -104,10 +104,10 @@ void preview_image_slices(const struct preview *p, const struct preview *against
     if (against)
         slice_sample(other, against, against);
     double exposure = exposure_of(against ? other : own);
-    gnuplot_begin(&g, path, panels * (PANEL + 20) + 70, PANEL + 160);
+    gnuplot_begin(&g, path, panels * (PANEL + GAP) + 70, PANEL + 160);
     fprintf(
         g.to,
-        "set multiplot title 'Image slices at φ_d = 90°: sRGB of %.3g · BRDF in 1/sr' font big\nset tmargin at screen "
+        "set multiplot title 'Image slices at φ_d = 90°: sRGB of %.3g · BRDF in 1/sr'\nset tmargin at screen "
         "%g\nset bmargin at screen %g\nset xrange [0:90]\nset yrange [0:90]\nset xtics 30\nset ytics 30\nset tics out "
         "nomirror\nset xlabel 'half angle θ_h, degrees'\n",
         exposure, 1 - 70.0 / (PANEL + 160), 90.0 / (PANEL + 160));

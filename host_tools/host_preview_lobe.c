@@ -196,7 +196,7 @@ static void put_arrow(struct gnuplot *g, const struct screen *s, const double d[
     double a[3], b[3];
     screen_point(a, s, d, from);
     screen_point(b, s, d, to);
-    fprintf(g->to, "set arrow from %.1f,%.1f to %.1f,%.1f %s front\n", a[0], a[1], b[0], b[1], style);
+    fprintf(g->to, "set arrow from %.1f,%.1f to %.1f,%.1f %s\n", a[0], a[1], b[0], b[1], style);
     screen_point(a, s, d, fmax(from, to) + 18);
     fprintf(g->to, "set label '%s' at %.1f,%.1f center front\n", text, a[0], a[1]);
 }
@@ -248,11 +248,11 @@ void preview_lobe(const struct preview *p, double theta_in, const char *path)
             theta_in, o->most);
     preview_legend(&g, marks);
     preview_direction(d, 0, 0);
-    put_arrow(&g, &screen, d, 0, 1.02 * RADIUS, "lw 1.2 lc rgb '#333333'", "n");
+    put_arrow(&g, &screen, d, 0, 1.02 * RADIUS, "lw 1.2 lc rgb '#333333' front", "n");
     preview_direction(d, theta_in, 180);
-    put_arrow(&g, &screen, d, 0, 1.02 * RADIUS, "nohead dt (6,4) lc rgb '#333333'", "mirror");
+    put_arrow(&g, &screen, d, 0, 1.02 * RADIUS, "nohead dt (6,4) lc rgb '#333333' back", "mirror");
     preview_direction(d, theta_in, 0);
-    put_arrow(&g, &screen, d, 1.02 * RADIUS, 0, "lw 2 lc rgb '#e0a000'", "light");
+    put_arrow(&g, &screen, d, 1.02 * RADIUS, 0, "lw 2 lc rgb '#e0a000' front", "light");
     put_floor(&g, &screen, most);
     gnuplot_picture(&g, WIDTH, HEIGHT, 4, 0, WIDTH, 0, HEIGHT);
     fputc('\n', g.to);
