@@ -69,7 +69,8 @@ void raster_load_find(struct raster_load *load, const struct raster *r, const st
     const uint32_t rows = cut || sum > all ? all : sum; /* what clipping adds has edges of its own */
     const uint32_t tested = fx_add_sat_u(load->shown, sum), whole = triangles * RASTER_TILE_PIXELS;
     load->tested = tested < whole ? tested : whole;
-    const uint64_t triangle = (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped : 0);
+    const uint64_t triangle =
+        (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing);
     load->ticks = cost_ticks(c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles +
                              (uint64_t)c->row * rows + (uint64_t)c->tested * load->tested);
 }
@@ -121,7 +122,8 @@ static void bound_triangle(struct raster_tile_bound *b, const struct raster_cost
 {
     const uint32_t columns = overlap(box->x0, box->x1, x, RASTER_TILE_WIDTH);
     const uint32_t rows = columns ? overlap(box->y0, box->y1, y, RASTER_TILE_HEIGHT) : 0;
-    const uint64_t cost = (cut ? c->clipped : 0) + (uint64_t)c->row * (cut ? FAN * rows : rows) +
+    const uint64_t cost = (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing) +
+                          (uint64_t)c->row * (cut ? FAN * rows : rows) +
                           (uint64_t)c->tested * columns * rows; /* a fan's triangles do not overlap */
     b->least = fx_add_sat_u(b->least, cost_ticks(cost));
     b->pixels = fx_add_sat_u(b->pixels, columns * rows);

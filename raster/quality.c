@@ -91,6 +91,26 @@ uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *
     return 1u << 2 * (RASTER_REGION_SHIFT - raster_cell_shift[rate][0]);
 }
 
+void raster_work_area(struct raster_work *w, const struct raster *r, const struct raster_area *area)
+{
+    const uint32_t filled = (uint32_t)area->pixels >> (4 + 2 * r->sample_shift);
+    w->pixels = area->pixels;
+    w->parts = area->cells;
+    w->mixed = area->cells > filled ? area->cells - filled : 0;
+}
+
+static uint64_t cells_cost(const struct raster_costs *c, const struct raster_work *w)
+{
+    if (w->rate == RASTER_RATE_1X1)
+        return (uint64_t)w->mixed * c->run;
+    const uint64_t copied = (uint64_t)w->pixels * c->copied;
+    if (w->rate == RASTER_RATE_FLAT)
+        return copied;
+    const uint32_t edges = 2 * RASTER_REGION_SHIFT - raster_cell_shift[w->rate][0] - raster_cell_shift[w->rate][1];
+    const uint32_t cells = w->exact ? w->blocks : w->blocks << edges; /* exact blocks are of a cell */
+    return copied + (uint64_t)cells * c->cell + (uint64_t)w->parts * c->part + (uint64_t)w->mixed * c->mixed;
+}
+
 uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_work *w)
 {
     const uint32_t lit = c->shading[w->shading].lit, dark = c->shading[w->shading].dark,
@@ -103,7 +123,7 @@ uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_
                      ? c->shading[w->shading].flat
                      : c->shading[w->shading].sample + (uint64_t)(w->directional + w->points) * point;
     /* Sums of a tile: 2^12 samples, 2^8 lights, costs of less than 2^32 each */
-    const uint64_t sum = w->samples * sample + (w->rate == RASTER_RATE_1X1 ? 0 : (uint64_t)w->pixels * c->copied) +
+    const uint64_t sum = w->samples * sample + cells_cost(c, w) +
                          w->blocks * (c->region + (uint64_t)w->directional * c->shading[w->shading].material);
     return sum >> 4 < UINT32_MAX ? (uint32_t)(sum >> 4) + 1 : UINT32_MAX;
 }

@@ -108,12 +108,17 @@ struct raster_costs {
     uint32_t triangle; /* one of a meshlet, facing or not */
     uint32_t general;  /* what it takes more in a meshlet too large or too deep for 16-bit coordinates */
     uint32_t clipped;  /* ... in one that reaches behind the near plane or far out of the picture */
+    uint32_t facing;   /* ... in one that faces the eye */
     uint32_t row;      /* of a triangle's pixels */
     uint32_t tested;   /* a pixel whose depth is compared */
     uint32_t survey;   /* a surface counted */
     uint32_t light;    /* a light tried in a survey */
     uint32_t region;   /* with a surface to be shaded */
-    uint32_t copied;   /* a pixel that takes another's colour, cells' bookkeeping included */
+    uint32_t cell;     /* of a rate's cells, visited */
+    uint32_t part;     /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
+    uint32_t mixed;    /* what it takes more beside others */
+    uint32_t run;      /* the same where every pixel is shaded */
+    uint32_t copied;   /* a pixel of a cell or meshlet that is shaded once */
     uint32_t finished; /* a pixel packed */
     uint32_t plan;     /* choosing rates after a survey */
     struct {
@@ -141,11 +146,15 @@ struct raster_work {
     enum raster_shading shading;
     enum raster_rate rate;
     uint32_t pixels, samples;     /* below 2^16 each; of 4 per pixel, pixels are samples of coverage */
+    uint32_t parts, mixed;        /* see raster_work_area */
     uint32_t blocks;              /* summed over regions */
     bool exact;                   /* some region takes more than one */
     uint32_t directional, points; /* lights, at most 128 */
     uint32_t lit; /* the share of pixel-lights of directional ones that are lit, 256: all, which is the upper bound */
 };
+
+/* Sets pixels, parts (pairs of a cell of 4 x 4 pixels and a meshlet) and mixed (those beyond the cells that the pixels would fill). */
+void raster_work_area(struct raster_work *w, const struct raster *r, const struct raster_area *area);
 
 /* Its ticks, rounded up. An upper bound where samples, blocks and lights are the most they may be, and `lit` is 256. */
 uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_work *w);

@@ -37,7 +37,7 @@ $(B)/board/$(1)/%.o: %.c
 endef
 # $(call BOARD_PROGRAMS,target,link options)
 define BOARD_PROGRAMS
-$(B)/board/$(1)/work_a.elf $(B)/board/$(1)/fault.elf: $(B)/board/$(1)/%.elf: $(B)/board/$(1)/tests/board/%/main.o $(BOARD_OBJ_$(1))
+$(B)/board/$(1)/work_a.elf $(B)/board/$(1)/fault.elf $(B)/board/$(1)/calibrate.elf: $(B)/board/$(1)/%.elf: $(B)/board/$(1)/tests/board/%/main.o $(BOARD_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/shade.elf: $(B)/board/$(1)/tests/board/shade/main.o $(B)/board/$(1)/tests/board/shade/sphere.o $(BOARD_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) -Wl,--wrap=raster_finish_pixels $(2) $$^ -lgcc -o $$@
@@ -122,6 +122,14 @@ $(B)/board/measured.img: $(B)/demo/six_models.blob
 $(B)/board/lafortune_phong.img: $(B)/board/six_models_lafortune.blob
 $(B)/board/measured.img $(B)/board/lafortune_phong.img: $(B)/board/make_image $(BOARD_TABLES)
 	$(B)/board/make_image $@ 256 264 $(filter %.blob,$^) $(BOARD_TABLES)
+
+# Costs of a tile's steps on a target, for budgets.
+.PHONY: calibrate calibrate-built
+BOARD ?= cortex-m7
+calibrate: deps-board ## measure what a tile's steps take on BOARD=cortex-m3|cortex-m4|cortex-m7 and write hal/costs
+	$(AGAIN) calibrate-built
+calibrate-built: $(B)/board/$(BOARD)/calibrate.elf $(B)/bench/calibrate $(B)/demo/six_models.blob $(B)/demo/gold.ktx2 $(B)/board/gold_91x46.ktx2
+	@B=$(B) tests/board/calibrate.sh $(BOARD) hal/costs/$(subst -,_,$(BOARD)).h
 
 # The pictures' hash on the host: by each compiler, at each level, with sanitizers, with each tile size. All sources at once,
 # since no object may be shared.

@@ -55,7 +55,7 @@ static void no_point_of_a_box_gets_more_light(void **state)
 
 static void ticks_are_the_sum_of_what_is_done(void **state)
 {
-    struct raster_costs c = {.region = 1600, .copied = 32};
+    struct raster_costs c = {.region = 1600, .copied = 32, .cell = 16, .part = 48, .mixed = 80, .run = 64};
     (void)state;
     c.shading[RASTER_SHADE_BLINN_PHONG].material = 800;
     c.shading[RASTER_SHADE_BLINN_PHONG].sample = 480;
@@ -67,20 +67,22 @@ static void ticks_are_the_sum_of_what_is_done(void **state)
                             .rate = RASTER_RATE_2X2,
                             .pixels = 100,
                             .samples = 30,
+                            .parts = 12,
+                            .mixed = 6,
                             .blocks = 2,
                             .directional = 3,
                             .points = 1,
                             .lit = 256};
-    const uint32_t all = 30 * (30 + 3 * 20 + 100) + 100 * 2 + 2 * (100 + 3 * 50);
-    assert_int_equal(raster_shading_ticks(&c, &w), all + 1);
+    const uint32_t all = 30 * (30 + 3 * 20 + 100) + 100 * 2 + 2 * (100 + 3 * 50), cells = 128 + 12 * 3 + 6 * 5;
+    assert_int_equal(raster_shading_ticks(&c, &w), all + cells + 1);
     w.lit = 128; /* 12 a light */
-    assert_int_equal(raster_shading_ticks(&c, &w), all - 30 * 3 * 8 + 1);
+    assert_int_equal(raster_shading_ticks(&c, &w), all + cells - 30 * 3 * 8 + 1);
     w.exact = true;
-    assert_int_equal(raster_shading_ticks(&c, &w), all + 30 * 3 * 80 + 1);
+    assert_int_equal(raster_shading_ticks(&c, &w), all + cells + 30 * 3 * 80 - 126 + 1);
     w.exact = false;
     w.lit = 256;
     w.rate = RASTER_RATE_1X1; /* nothing is copied */
-    assert_int_equal(raster_shading_ticks(&c, &w), all - 200 + 1);
+    assert_int_equal(raster_shading_ticks(&c, &w), all - 200 + 6 * 4 + 1);
     w.rate = RASTER_RATE_FLAT;
     assert_int_equal(raster_shading_ticks(&c, &w), 30 * 200 + 200 + 500 + 1);
     w.points = 2; /* more lights than the last rung's */

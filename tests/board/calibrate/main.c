@@ -1,0 +1,278 @@
+/*
+ * Counts what the steps of a tile take on an emulated board, exactly, for costs to be fitted to (tests/bench/calibrate.c). Lines:
+ *   draw TICKS vertices triangles small facing rows tested              one meshlet; "clip" where some vertex may be clipped
+ *   survey TICKS clear lights                                           one tile; what clearing it took
+ *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
+ *   point TICKS ...                                                     ... under point lights alone
+ *   finish TICKS covered shading row_pixels row_lights                  one tile; shading and pixels of what is shaded in rows
+ *   end hash H                                                          of all pixels: the same on every target
+ * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: how many bytes blob, half-vector table and
+ * specular-frame table have (uint32_t each, and one more), then these, 16-aligned.
+ */
+#include "board.h"
+#include "bound.h"
+#include "quality.h"
+
+enum { WIDTH = 320, HEIGHT = 240, ARENA_BYTES = 256 * 1024, LIGHTS = 4, CAMERAS = 4 };
+
+static uint64_t arena[ARENA_BYTES / 8];
+static struct scene scene;
+static struct lut_table half_vector, specular_frame;
+static struct scene_material materials[SCENE_MAX_MATERIALS];
+static struct scene_light lights[LIGHTS];
+static struct scene_camera camera;
+static struct raster raster;
+static struct raster_tile work;
+static uint32_t hash = REPORT_HASH_START; /* of all pixels */
+
+/* One tick for each row: what bound.h counts is their number. */
+static const struct raster_costs of_rows = {.row = 16};
+
+__attribute__((noinline)) static uint32_t clock_now(void)
+{
+    return board_clock();
+}
+
+static void checked(bool right, const char *wrong)
+{
+    if (right)
+        return;
+    report_text(wrong);
+    report_text("\n");
+    board_exit(BOARD_EXIT_FAILED);
+}
+
+static const uint8_t *open_input(void)
+{
+    const uint32_t *bytes = (const uint32_t *)(const void *)board_input;
+    const uint8_t *at = board_input + 16, *part[3];
+    for (int i = 0; i < 3; at += (bytes[i++] + 15) & ~15u)
+        part[i] = at;
+    checked(scene_open(&scene, part[0], bytes[0]) == SCENE_OK, "no scene");
+    checked(lut_open(&half_vector, part[1], bytes[1]) == LUT_OK, "no half-vector table");
+    checked(lut_open(&specular_frame, part[2], bytes[2]) == LUT_OK, "no specular-frame table");
+    return at;
+}
+
+/* All materials of one way of shading. */
+static void set_materials(enum raster_shading shading)
+{
+    static const uint8_t kind[RASTER_SHADE_COUNT] = {SCENE_MATERIAL_MEASURED,           SCENE_MATERIAL_MEASURED,
+                                                     SCENE_MATERIAL_LAFORTUNE_PHONG,    SCENE_MATERIAL_BLINN_PHONG,
+                                                     SCENE_MATERIAL_METALLIC_ROUGHNESS, SCENE_MATERIAL_LAFORTUNE_PHONG,
+                                                     SCENE_MATERIAL_BLINN_PHONG};
+    for (uint32_t i = 0; i < scene.header->materials.count; i++) {
+        struct scene_material *m = &materials[i];
+        *m = scene.materials[i];
+        m->kind = kind[shading];
+        m->slot = shading == RASTER_SHADE_SPECULAR_FRAME;
+        m->roughness = 1 << 14;
+        /* run by run in rows: powers of two, see blinn_phong_run.c */
+        m->exponent = (shading == RASTER_SHADE_BLINN_PHONG_ROW ? 32u : 37u) << 16;
+        for (int k = 0; k < 3; k++) {
+            m->kd[k] = 1 << 14;
+            m->ks[k] = shading == RASTER_SHADE_DIFFUSE_ROW || shading == RASTER_SHADE_METALLIC_ROUGHNESS ? 0 : 1 << 15;
+        }
+    }
+}
+
+/* From the scene's own place towards what it looks at; the last with the near plane within the objects. */
+static void set_camera(uint32_t index)
+{
+    static const int32_t sixteenths[CAMERAS] = {16, 11, 6, 6};
+    camera = scene.header->camera;
+    for (int k = 0; k < 3; k++)
+        camera.eye[k] = camera.eye[k] / 16 * sixteenths[index];
+    if (index == CAMERAS - 1)
+        camera.near = (uq16_16_t)(camera.eye[2] < 0 ? -camera.eye[2] : camera.eye[2]);
+}
+
+/* `directional` of the scene's lights around, then point lights near its middle. */
+static uint32_t set_lights(uint32_t directional, uint32_t points)
+{
+    static const q2_30_t direction[3][3] = {
+        {619925131, 619925131, 619925131}, {-759250125, 0, 759250125}, {0, -759250125, 759250125}};
+    for (uint32_t i = 0; i < directional; i++) {
+        lights[i] = (struct scene_light){.kind = SCENE_LIGHT_DIRECTIONAL, .irradiance = {1 << 16, 1 << 16, 1 << 16}};
+        for (int k = 0; k < 3; k++)
+            lights[i].direction[k] = direction[i][k];
+    }
+    for (uint32_t i = directional; i < directional + points; i++) {
+        lights[i] = (struct scene_light){
+            .kind = SCENE_LIGHT_POINT, .irradiance = {1 << 20, 1 << 20, 1 << 20}, .radius = 100u << 16};
+        for (int k = 0; k < 3; k++)
+            lights[i].position[k] = camera.eye[k] / 2 + (int32_t)((i * 7 + (uint32_t)k * 5) % 9) * 32768 - (4 << 15);
+    }
+    return directional + points;
+}
+
+static void begin(uint32_t light_count, uint8_t samples)
+{
+    static const struct lut_table *tables[RASTER_MAX_SLOTS] = {&half_vector, &specular_frame};
+    const struct raster_frame frame = {.scene = &scene,
+                                       .camera = &camera,
+                                       .output = &scene.header->output,
+                                       .lights = lights,
+                                       .materials = materials,
+                                       .tables = tables,
+                                       .width = WIDTH,
+                                       .height = HEIGHT,
+                                       .light_count = (uint8_t)light_count,
+                                       .format = RASTER_RGB888,
+                                       .samples = samples,
+                                       .costs = &of_rows};
+    checked(raster_begin(&raster, &frame, arena, sizeof arena) == RASTER_OK, "no frame");
+}
+
+/* Rows that a meshlet's triangles have in a tile. */
+static uint32_t count_rows(const struct raster_object *o, const struct scene_meshlet *m, uint32_t tile)
+{
+    struct raster_tile_bound *b = &raster.bounds[tile], kept = *b;
+    const int32_t x = (int32_t)(tile % raster.tiles_x), y = (int32_t)(tile / raster.tiles_x);
+    const struct raster_tiles one = {x, y, x, y};
+    b->least = 0;
+    raster_bound_coarse(&raster, o, m, &one, true);
+    const uint32_t rows = b->least;
+    *b = kept;
+    return rows;
+}
+
+static bool is_clipped(const struct raster_object *o, const struct scene_meshlet *m)
+{
+    unsigned any = 0;
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
+        struct raster_clip_vertex c;
+        raster_transform(&c, o, &scene.vertices[m->vertex_first + i]);
+        any |= raster_clip_code(o, &c);
+    }
+    return any;
+}
+
+static void draw(uint32_t tile, struct raster_stats *stats, bool print)
+{
+    for (enum raster_drawing drawing = RASTER_MORE; drawing == RASTER_MORE;) {
+        const struct raster_stats before = *stats;
+        const uint32_t id = work.meshlet, run = work.run;
+        const uint32_t start = clock_now();
+        drawing = raster_tile_draw(&raster, &work, 1, stats);
+        const uint32_t ticks = clock_now() - start;
+        checked(drawing != RASTER_NO_SLOT, "more meshlets than slots");
+        if (!print || stats->meshlets == before.meshlets)
+            continue;
+        const struct raster_object *o = &raster.objects[raster.runs[run - 1].object >> RUN_BITS];
+        const struct scene_meshlet *m = &scene.meshlets[VISIBLE_MESHLET(id)];
+        report_text(is_clipped(o, m) ? "clip" : "draw");
+        report_number("", ticks);
+        report_number("", m->vertex_count);
+        report_number("", m->triangle_count);
+        report_number("", (id & VISIBLE_SMALL) != 0);
+        report_number("", stats->triangles - before.triangles);
+        report_number("", count_rows(o, m, tile));
+        report_number("", stats->tested - before.tested);
+        report_text("\n");
+    }
+}
+
+static uint32_t count_pixels(uint32_t *parts)
+{
+    uint32_t sum = 0;
+    *parts = 0;
+    for (uint32_t m = 0; m < work.m.shading.survey.classes; m++) {
+        sum += work.m.shading.survey.total[m].pixels;
+        *parts += work.m.shading.survey.total[m].cells;
+    }
+    return sum;
+}
+
+/* Ticks of shading all regions, and their blocks. */
+static uint32_t shade(const struct raster_survey *s, const struct raster_rect *rect, enum raster_rate rate,
+                      uint32_t *blocks, struct raster_stats *stats)
+{
+    static struct raster_quality q;
+    const uint32_t regions = s->regions;
+    uint32_t ticks = 0;
+    for (uint32_t i = 0; i < RASTER_CLASSES; i++)
+        q.rate[i] = (uint8_t)rate;
+    q.lights = RASTER_ALL_LIGHTS;
+    *blocks = 0;
+    for (uint32_t region = 0; region < regions; region++) {
+        for (uint32_t m = 0; m < s->classes; m++)
+            if (s->area[m][region].pixels)
+                *blocks += raster_region_blocks(&raster, rect, region, rate);
+        const uint32_t start = clock_now();
+        raster_tile_shade(&raster, &work, rect, region, &q, stats);
+        ticks += clock_now() - start;
+    }
+    return ticks;
+}
+
+static void tile(uint32_t index, enum raster_shading shading, enum raster_rate rate, bool print)
+{
+    struct raster_rect rect;
+    struct raster_stats stats;
+    uint32_t blocks, parts, start = clock_now();
+    raster_tile_begin(&raster, index, &work, &rect, &stats);
+    const uint32_t clear = clock_now() - start;
+    draw(index, &stats, print);
+    start = clock_now();
+    const struct raster_survey *survey = raster_tile_survey(&raster, &work, &rect);
+    const uint32_t surveyed = clock_now() - start, pixels = count_pixels(&parts);
+    const bool rows = raster_shading_of(&raster, 0, rate) >= RASTER_SHADE_DIFFUSE_ROW;
+    const uint32_t ticks = shade(survey, &rect, rate, &blocks, &stats);
+    const struct raster_stats shaded = stats;
+    start = clock_now();
+    raster_tile_finish(&raster, &work, &rect, &stats);
+    const uint32_t finish = clock_now() - start;
+    hash = report_hash(hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
+    if (print) {
+        report_text("survey");
+        report_number("", surveyed);
+        report_number("", clear);
+        report_number("", raster.frame.light_count);
+        report_text("\n");
+    }
+    if (pixels && !rows) {
+        report_text(raster.directional ? "shade" : "point");
+        report_number("", ticks);
+        report_number("", shading);
+        report_number("", rate);
+        report_number("", shaded.samples);
+        report_number("", shaded.shaded);
+        report_number("", shaded.tried - shaded.shaded);
+        report_number("", pixels);
+        report_number("", parts);
+        report_number("", blocks);
+        report_text("\n");
+    }
+    report_text("finish");
+    report_number("", finish);
+    report_number("", stats.covered);
+    report_number("", rows ? shading : 0);
+    report_number("", rows ? pixels : 0);
+    report_number("", rows ? pixels * raster.frame.light_count : 0);
+    report_text("\n");
+}
+
+_Noreturn void board_main(void)
+{
+    open_input();
+    for (uint32_t c = 0; c < CAMERAS; c++) {
+        set_camera(c);
+        for (unsigned shading = 0; shading < RASTER_SHADE_COUNT; shading++) {
+            set_materials((enum raster_shading)shading);
+            for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
+                for (unsigned light = 0; light < 3; light++) {
+                    if (shading >= RASTER_SHADE_DIFFUSE_ROW && (rate || light == 2))
+                        continue; /* rows are of rate 1x1 under directional lights */
+                    begin(light == 0 ? set_lights(3, 0) : light == 1 ? set_lights(1, 0) : set_lights(0, 4), 1);
+                    const bool print = shading == 0 && rate == 0 && light == 0;
+                    for (uint32_t t = c; t < raster_tile_count(&raster); t += 3)
+                        tile(t, (enum raster_shading)shading, (enum raster_rate)rate, print);
+                }
+        }
+    }
+    report_text("end");
+    report_hex("hash", hash);
+    report_text("\n");
+    board_exit(BOARD_EXIT_OK);
+}
