@@ -45,7 +45,8 @@ const char *sphere_begin(struct sphere *s, bool lights)
                                        .format = RASTER_RGB888};
     enum raster_status status = raster_begin(&s->raster, &frame, s->arena, sizeof s->arena);
     s->tile.slot_count = 1;
-    s->tile.slots[1] = (struct raster_slot){{16384, 0, 0, 0, 16384, 0, 0, 0, 16384}, 0, DEPTH_SHIFT};
+    s->tile.slots[1] =
+        (struct raster_slot){.frame = {16384, 0, 0, 0, 16384, 0, 0, 0, 16384}, .normal_shift = DEPTH_SHIFT};
     return status == RASTER_OK ? NULL : raster_status_text(status);
 }
 
