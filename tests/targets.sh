@@ -3,6 +3,9 @@
 
 TARGETS="cortex-m0 cortex-m3 cortex-m4 cortex-m7 cortex-m33 rv32imac x86-64"
 
+# Files whose code runs once for a frame or a file, or for few triangles: compiled for size, by board.mk as well.
+COLD="lut/lut.c raster/clip.c raster/scene.c raster/transform.c"
+
 # Compiler and machine options of a target. x86-64 is clang's turn, held to the integer registers: a float that slipped
 # in would not compile.
 target_cc() {
@@ -34,12 +37,13 @@ target_allowed() {
 
 # Compiles files for a target as freestanding code: one object per file in out_dir, warnings are errors, no -D.
 target_compile() { # target out_dir extra_options file...
-    local target=$1 out=$2 extra=$3 cc f
+    local target=$1 out=$2 extra=$3 cc f level
     shift 3
     cc=$(target_cc "$target")
     mkdir -p "$out" || return 1
     for f in "$@"; do
-        $cc -std=c11 -O2 $extra -ffreestanding -nostdinc -isystem "$($cc -print-file-name=include)" \
+        case " $COLD " in *" $f "*) level=-Os ;; *) level=-O2 ;; esac
+        $cc -std=c11 $level $extra -ffreestanding -nostdinc -isystem "$($cc -print-file-name=include)" \
             -I. -Ilut -Iraster -Ifirmware -Ihal -Wall -Wextra -Werror -c "$f" -o "$out/$(tr / _ <<<"${f%.c}").o" || return 1
     done
 }

@@ -1,9 +1,8 @@
 # Programs for the emulated boards and what runs them. One build per target: everything here, whatever it measures, is
 # compiled with the same options.
 BOARD_OPT   ?= -O2
-# Files compiled with BOARD_HOT_OPT instead.
-BOARD_HOT   ?=
-BOARD_HOT_OPT ?= -O3
+# Files compiled for size.
+BOARD_COLD  := $(shell sed -n 's/^COLD="\(.*\)"$$/\1/p' tests/targets.sh)
 DEPS_BOARD  := $(CROSS) qemu-system-arm qemu-system-misc
 DEPS_CHECK  += $(DEPS_BOARD)
 DEPS_BENCH  += $(DEPS_BOARD) llvm-14
@@ -31,7 +30,7 @@ BOARD_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(3) $(BOARD_SHARED) $(wil
 BOARD_FIRMWARE_OBJ_$(1) := $$(patsubst %.c,$(B)/board/$(1)/%.o,$(wildcard firmware/*.c))
 $(B)/board/$(1)/%.o: %.c
 	@mkdir -p $$(@D)
-	$(2) -std=c11 $$(if $$(filter $$<,$$(BOARD_HOT)),$$(BOARD_HOT_OPT),$$(BOARD_OPT)) $$(BOARD_FLAGS_$$*) -g $(WARN) -MMD -MP \
+	$(2) -std=c11 $$(if $$(filter $$<,$$(BOARD_COLD)),-Os,$$(BOARD_OPT)) $$(BOARD_FLAGS_$$*) -g $(WARN) -MMD -MP \
 	    -ffreestanding -nostdinc -isystem $$(shell $(firstword $(2)) -print-file-name=include) -ffunction-sections -fdata-sections \
 	    -fcallgraph-info=su $(CORE_INC) -Ihal/emulated -c $$< -o $$@
 endef
