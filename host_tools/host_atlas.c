@@ -83,38 +83,54 @@ static bool tables_alike(const struct lut_table *a, const struct lut_table *b)
            (a->kind == LUT_HALF_VECTOR || (a->slice_scale == b->slice_scale && a->swap == b->swap));
 }
 
-void atlas_open(struct atlas *out, const char *path, const void *data, size_t bytes)
+/* What is wrong with table i, malloc'd, or NULL. *first is table 0's, filled by its own call. */
+static char *table_problem(struct lut_table *first, const struct atlas *a, uint32_t i)
+{
+    struct lut_table t = {0};
+    size_t bytes = 0;
+    uint8_t *file = atlas_table(&bytes, a, i);
+    enum lut_status status = file ? lut_open(&t, file, bytes) : LUT_ERR_AXES;
+    free(file);
+    if (status)
+        return xasprintf("table %u: %s", i, lut_status_text(status));
+    if (!i)
+        *first = t;
+    return tables_alike(&t, first) && t.width == a->width && t.height == a->height
+               ? NULL
+               : xasprintf("table %u is not of the atlas' kind and size", i);
+}
+
+char *atlas_read(struct atlas *out, const void *data, size_t bytes)
 {
     enum lut_status status = ktx2_open(&out->view, data, bytes);
     if (status)
-        die(EXIT_BAD_INPUT, "%s: %s; make the atlas again", path, lut_status_text(status));
+        return xstrdup(lut_status_text(status));
     if (!atlas_recognise(data, bytes))
-        die(EXIT_BAD_INPUT, "%s: not an atlas; gtlut atlas makes one", path);
+        return xstrdup("not an atlas");
     if (number_of(&out->view, "goniotile.version") != 1)
-        die(EXIT_BAD_INPUT, "%s: %s; make the atlas again", path, lut_status_text(LUT_ERR_VERSION));
+        return xstrdup(lut_status_text(LUT_ERR_VERSION));
     out->columns = number_of(&out->view, "goniotile.columns");
     out->tables = number_of(&out->view, "goniotile.tables");
     out->rows = out->columns ? (out->tables + out->columns - 1) / out->columns : 0;
     if (!out->rows || out->tables > ATLAS_MAX_TABLES || out->columns > out->tables || out->view.width % out->columns ||
         out->view.height % out->rows)
-        die(EXIT_BAD_INPUT, "%s: %u tables in %u columns do not fill %u x %u texels; make the atlas again", path,
-            out->tables, out->columns, out->view.width, out->view.height);
+        return xasprintf("%u tables in %u columns do not fill %u x %u texels", out->tables, out->columns,
+                         out->view.width, out->view.height);
     out->width = out->view.width / out->columns;
     out->height = out->view.height / out->rows;
     out->depth = out->view.depth;
     struct lut_table first = {0};
-    for (uint32_t i = 0; i < out->tables; i++) {
-        struct lut_table t = {0};
-        size_t length = 0;
-        uint8_t *file = atlas_table(&length, out, i);
-        status = file ? lut_open(&t, file, length) : LUT_ERR_AXES;
-        if (status)
-            die(EXIT_BAD_INPUT, "%s: table %u: %s; make the atlas again", path, i, lut_status_text(status));
-        first = i ? first : t;
-        if (!tables_alike(&t, &first) || t.width != out->width || t.height != out->height)
-            die(EXIT_BAD_INPUT, "%s: table %u is not of the atlas' kind and size; make the atlas again", path, i);
-        free(file);
-    }
+    char *problem = NULL;
+    for (uint32_t i = 0; i < out->tables && !problem; i++)
+        problem = table_problem(&first, out, i);
+    return problem;
+}
+
+void atlas_open(struct atlas *out, const char *path, const void *data, size_t bytes)
+{
+    char *problem = atlas_read(out, data, bytes);
+    if (problem)
+        die(EXIT_BAD_INPUT, "%s: %s; make the atlas again with gtlut atlas", path, problem);
 }
 
 /* --- writing --- */

@@ -25,7 +25,11 @@ uint32_t atlas_columns(uint32_t tables);
 /* True for an intact KTX 2.0 file that says it is an atlas. */
 bool atlas_recognise(const void *data, size_t bytes);
 
-/* Checks all tables. The bytes stay the caller's and must outlive the atlas. Dies with EXIT_BAD_INPUT. */
+/* Checks the file and all tables in it. Its bytes stay the caller's, 4-aligned, and must outlive the atlas. NULL, or what is wrong,
+ * malloc'd. */
+char *atlas_read(struct atlas *out, const void *data, size_t bytes);
+
+/* The same. Dies with EXIT_BAD_INPUT. */
 void atlas_open(struct atlas *out, const char *path, const void *data, size_t bytes);
 
 /* The table file number `index`, malloc'd; never NULL once the atlas is open. */

@@ -7,7 +7,8 @@ G=$B/gtlut
 T=$(mktemp -d) && trap 'rm -rf "$T"' EXIT
 MODULE=$B/npm/node_modules/ktx-parse/dist/index.mjs
 claims=("ktx-parse reads what was written: format, dimensions, descriptor, metadata, texels"
-    "ktx-parse rewrites the file byte-identically")
+    "ktx-parse rewrites the file byte-identically"
+    "ktx-parse reads an atlas as one texture and rewrites it")
 
 skip_all() {
     for i in "${!claims[@]}"; do echo "ok $((i + 1)) - ${claims[i]} # SKIP $1"; done
@@ -88,6 +89,26 @@ printf 'theta_in,theta_out,phi_out,R,G,B\n0,0,0,1,0.5,0\n0,80,0,1,0.5,0\n' >"$T/
 sed '$d' "$T/out" >>"$T/log"
 tail -1 "$T/out" | grep -qx same || echo "one slice: $(tail -1 "$T/out")" >>"$T/rewrite"
 
+# Nine cells of a table each, the last one empty.
+cat >"$T/atlas.mjs" <<'JS'
+import { readFileSync } from 'node:fs';
+import { pathToFileURL } from 'node:url';
+const [module, file, table] = process.argv.slice(2), { read, write } = await import(pathToFileURL(module).href);
+const bytes = readFileSync(file), ktx = read(new Uint8Array(bytes)), one = read(new Uint8Array(readFileSync(table)));
+const words = (k) => new Uint32Array(k.levels[0].levelData.slice().buffer), all = words(ktx), cell = words(one);
+if (`${ktx.vkFormat} ${ktx.pixelWidth} ${ktx.pixelHeight} ${ktx.pixelDepth}` !== '123 273 138 4') console.log('format or size');
+if (Buffer.from(ktx.keyValue['goniotile.tables']).toString() !== '8\0') console.log('tables');
+for (let i = 0; i < 9; i++)
+    for (let at = 0; at < cell.length; at++) {
+        const x = at % 91, y = Math.floor(at / 91) % 46, z = Math.floor(at / 91 / 46);
+        const got = all[(i % 3) * 91 + x + 273 * (Math.floor(i / 3) * 46 + y + 138 * z)];
+        if (got !== (i < 8 ? cell[at] : 0)) { console.log(`cell ${i}, texel ${at}`); break; }
+    }
+if (Buffer.compare(Buffer.from(write(ktx, { keepWriter: true })), bytes)) console.log('differs when written');
+JS
+"$G" build "$T/white.csv" --size 91x46 -o "$T/t.ktx2" && "$G" atlas $(printf "$T/t.ktx2 %.0s" 1 2 3 4 5 6 7 8) -o "$T/atlas.ktx2" &&
+    node "$T/atlas.mjs" "$MODULE" "$T/atlas.ktx2" "$T/t.ktx2" >"$T/atlas" 2>&1 || echo "failed" >>"$T/atlas"
+
 report() { # number claim file_of_problems
     if [ -s "$3" ]; then
         echo "not ok $1 - $2"
@@ -98,4 +119,5 @@ report() { # number claim file_of_problems
 }
 report 1 "${claims[0]}" "$T/log"
 report 2 "${claims[1]}" "$T/rewrite"
-echo "1..2"
+report 3 "${claims[2]}" "$T/atlas"
+echo "1..3"

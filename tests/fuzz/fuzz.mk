@@ -1,6 +1,6 @@
 # Fuzz harnesses: everything once more, by clang with libFuzzer's instrumentation, in $(B)/fuzz.
 FUZZ_FORMATS := gtm rgl merl ktx2 composite astm zemax cornell sgd csv
-FUZZ_NAMES   := protocol usb table scene $(FUZZ_FORMATS:%=import_%)
+FUZZ_NAMES   := protocol usb table atlas scene $(FUZZ_FORMATS:%=import_%)
 FUZZ_CC      := clang-14
 FUZZ_SAN     := -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fsanitize=fuzzer-no-link \
                 -fprofile-instr-generate -fcoverage-mapping

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "common.h"
+#include "host_atlas.h"
 #include "host_measurement.h"
 #include "ref_blob.h"
 #include "ref_table.h"
@@ -81,6 +82,11 @@ static void seed_files(void)
         if (slabs == 0)
             seed("import_ktx2", "half_vector", half, bytes);
     }
+    frame = make_frame_table(&bytes);
+    const struct atlas_member members[3] = {{"", frame, bytes}, {"", frame, bytes}, {"", frame, bytes}};
+    void *atlas = atlas_compose(&bytes, members, 3);
+    seed("atlas", "three", atlas, bytes);
+    free(frame);
     for (unsigned kind = 0; kind < 2; kind++) {
         void *scene = make_scene(&bytes, kind, kind ? 0.9 : 0.0625);
         seed("scene", kind ? "near" : "measured", scene, bytes);

@@ -44,7 +44,7 @@ done
 parsers="lut/ktx2.c lut/lut.c lut/half_vector.c lut/specular_frame.c raster/scene.c firmware/usb_device.c firmware/protocol.c
     firmware/messages.c firmware/content.c firmware/table_store.c host_tools/host_measurement.c host_tools/host_rgl.c
     host_tools/host_merl.c host_tools/host_composite.c host_tools/host_astm.c host_tools/host_zemax.c host_tools/host_cornell.c
-    host_tools/host_source.c host_tools/host_csv.c host_tools/host_text.c"
+    host_tools/host_source.c host_tools/host_csv.c host_tools/host_text.c host_tools/host_atlas.c"
 if command -v llvm-profdata-14 llvm-cov-14 >/dev/null && llvm-profdata-14 merge -o "$work/all" "$work"/*.profraw 2>/dev/null; then
     first=${programs%%$'\n'*}
     # shellcheck disable=SC2046,SC2086
