@@ -1,17 +1,15 @@
 #define _GNU_SOURCE
 #include "gtsim_window_view.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common.h"
+#include "gtsim_window_eye.h"
 #include "host_model.h"
 
-#define DEGREE       (3.14159265358979323846 / 180)
-#define MAX_PITCH    (89 * DEGREE)
 #define MAX_EXPOSURE (256.0 * 65536)
 #define MIN_EXPOSURE (65536 / 256.0)
 
@@ -37,128 +35,37 @@ static void set(struct view *v, uint32_t setting, const void *value, size_t byte
     request(v, USB_MSG_SET, payload, (uint32_t)(sizeof setting + bytes), what);
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(double out[3], const double a[3], const double b[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void normalize(double v[3])
-{
-    double length = sqrt(dot(v, v));
-    for (int i = 0; i < 3; i++)
-        v[i] /= length;
-}
-
-/* v turned about the unit vector `axis` (Rodrigues). */
-static void turn(double v[3], const double axis[3], double angle)
-{
-    double c = cos(angle), s = sin(angle), along = dot(v, axis), side[3];
-    cross(side, axis, v);
-    for (int i = 0; i < 3; i++)
-        v[i] = c * v[i] + s * side[i] + (1 - c) * along * axis[i];
-}
-
-static const double vertical[3] = {0, 1, 0};
-
 /* --- the camera --- */
 
-struct eye {
-    double at[3], row[3][3]; /* rows: right, up, back */
-};
-
-static void eye_read(struct eye *e, const struct scene_camera *c)
+/* The nearest that the eye comes to what it turns around. */
+static double least_distance(const struct view *v)
 {
-    for (int i = 0; i < 3; i++)
-        e->at[i] = ldexp(c->eye[i], -16);
-    for (int i = 0; i < 9; i++)
-        e->row[i / 3][i % 3] = ldexp(c->rotation[i], -30);
+    return 2 * ldexp(shown(v)->camera.near, -16);
 }
 
-/* The middle of the box around all objects. */
-static void scene_middle(double middle[3], const struct scene *s)
-{
-    double lo[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, hi[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
-    for (uint32_t o = 0; o < s->header->objects.count; o++) {
-        const struct scene_object *object = &s->objects[o];
-        const struct scene_mesh *m = &s->meshes[object->mesh];
-        double scale = ldexp(object->scale_mantissa, -(30 + object->scale_shift));
-        for (int corner = 0; corner < 8; corner++)
-            for (int i = 0; i < 3; i++) {
-                double x = ldexp(object->position[i], -16);
-                for (int k = 0; k < 3; k++)
-                    x += scale * ldexp(object->rotation[3 * i + k], -30) * (corner >> k & 1 ? m->hi[k] : m->lo[k]);
-                lo[i] = fmin(lo[i], x);
-                hi[i] = fmax(hi[i], x);
-            }
-    }
-    for (int i = 0; i < 3; i++)
-        middle[i] = s->header->objects.count ? (lo[i] + hi[i]) / 2 : 0;
-}
-
-/* What the eye turns around: the point that it looks at, as far away as the scene's middle, so that the picture's middle stays where it is. */
-static void pivot_find(struct view *v, const struct eye *e)
+static void eye_get(struct view *v, struct eye *e)
 {
     const struct app_content *c = shown(v);
-    double middle[3], to[3];
-    if (!memcmp(&v->camera, &c->camera, sizeof v->camera))
-        return;
-    scene_middle(middle, &c->scene);
-    for (int i = 0; i < 3; i++)
-        to[i] = middle[i] - e->at[i];
-    double ahead = -dot(to, e->row[2]);
-    if (ahead < 2 * ldexp(c->camera.near, -16))
-        ahead = sqrt(dot(to, to)); /* the scene is behind or beside the eye */
-    for (int i = 0; i < 3; i++)
-        v->pivot[i] = e->at[i] - ahead * e->row[2][i];
+    eye_read(e, &c->camera);
+    if (memcmp(&v->camera, &c->camera, sizeof v->camera))
+        eye_pivot(v->pivot, e, &c->scene, least_distance(v));
 }
 
-static void eye_set(struct view *v, struct eye *e)
+static void eye_set(struct view *v, const struct eye *e)
 {
-    struct scene_camera c = shown(v)->camera;
-    normalize(e->row[2]);
-    cross(e->row[0], e->row[1], e->row[2]);
-    normalize(e->row[0]);
-    cross(e->row[1], e->row[2], e->row[0]);
-    for (int i = 0; i < 3; i++) {
-        if (fabs(e->at[i]) > 32767)
-            return; /* as far as the format goes */
-        c.eye[i] = (int32_t)lrint(ldexp(e->at[i], 16));
-    }
-    for (int i = 0; i < 9; i++)
-        c.rotation[i] = (int32_t)lrint(ldexp(e->row[i / 3][i % 3], 30));
-    set(v, USB_SET_CAMERA, &c, sizeof c, "camera");
-    v->camera = c;
+    v->camera = shown(v)->camera;
+    if (eye_write(&v->camera, e))
+        set(v, USB_SET_CAMERA, &v->camera, sizeof v->camera, "camera");
 }
 
 void view_orbit(struct view *v, double around, double up)
 {
     struct eye e;
-    double from[3], right[3];
     if (!shown(v)->has_scene)
         return;
-    eye_read(&e, &shown(v)->camera);
-    pivot_find(v, &e);
-    double pitch = asin(fmax(-1, fmin(1, e.row[2][1])));
-    double raise = fmax(-MAX_PITCH, fmin(MAX_PITCH, pitch + up * DEGREE)) - pitch;
-    if (fabs(raise) + fabs(around) < 1e-6)
-        return; /* at the pole already */
-    memcpy(right, e.row[0], sizeof right);
-    for (int i = 0; i < 3; i++)
-        from[i] = e.at[i] - v->pivot[i];
-    double *turned[] = {from, e.row[0], e.row[1], e.row[2]};
-    for (int i = 0; i < 4; i++) {
-        turn(turned[i], right, -raise);
-        turn(turned[i], vertical, around * DEGREE);
-    }
-    for (int i = 0; i < 3; i++)
-        e.at[i] = v->pivot[i] + from[i];
-    eye_set(v, &e);
+    eye_get(v, &e);
+    if (eye_orbit(&e, v->pivot, around, up))
+        eye_set(v, &e);
 }
 
 void view_distance(struct view *v, double factor)
@@ -166,17 +73,9 @@ void view_distance(struct view *v, double factor)
     struct eye e;
     if (!shown(v)->has_scene)
         return;
-    eye_read(&e, &shown(v)->camera);
-    pivot_find(v, &e);
-    double distance = 0, least = 2 * ldexp(shown(v)->camera.near, -16);
-    for (int i = 0; i < 3; i++)
-        distance += (e.at[i] - v->pivot[i]) * (e.at[i] - v->pivot[i]);
-    distance = sqrt(distance);
-    if (distance * factor < least && factor < 1)
-        return;
-    for (int i = 0; i < 3; i++)
-        e.at[i] = v->pivot[i] + factor * (e.at[i] - v->pivot[i]);
-    eye_set(v, &e);
+    eye_get(v, &e);
+    if (eye_approach(&e, v->pivot, factor, least_distance(v)))
+        eye_set(v, &e);
 }
 
 /* --- materials --- */
@@ -296,16 +195,14 @@ void view_turn_lights(struct view *v, double degrees)
     double middle[3];
     uint32_t count = light_count(v);
     if (count)
-        scene_middle(middle, &shown(v)->scene);
+        eye_scene_middle(middle, &shown(v)->scene);
     for (uint32_t l = 0; l < count; l++) {
         struct scene_light light = shown(v)->lights[l];
         bool point = light.kind == SCENE_LIGHT_POINT;
         double to[3];
         for (int i = 0; i < 3; i++)
             to[i] = point ? ldexp(light.position[i], -16) - middle[i] : ldexp(light.direction[i], -30);
-        turn(to, vertical, degrees * DEGREE);
-        if (!point)
-            normalize(to);
+        eye_turn_vertical(to, degrees);
         for (int i = 0; i < 3; i++)
             light.direction[i] = (int32_t)lrint(point ? ldexp(to[i] + middle[i], 16) : ldexp(to[i], 30));
         light_set(v, l, &light);
