@@ -47,8 +47,8 @@ static void montage_begin(struct gnuplot *g, const struct montage *m, int count,
     char *title = xasprintf("%s: sRGB of x/(1+x), x = %.4g · %s", p->title, m->exposure, quantity);
     gnuplot_text(g, title);
     free(title);
-    fprintf(g->to, " noenhanced font big\nset tics out nomirror\nset xrange [%g:%g]\nset yrange [%g:%g]\n", m->first[0],
-            m->last[0], m->last[1], m->first[1]);
+    fprintf(g->to, " noenhanced font big\nunset key\nset tics out nomirror\nset xrange [%g:%g]\nset yrange [%g:%g]\n",
+            m->first[0], m->last[0], m->last[1], m->first[1]);
 }
 
 static void montage_picture(struct gnuplot *g, const struct montage *m, int number, int count, const char *title,

@@ -107,7 +107,8 @@ void preview_image_slices(const struct preview *p, const struct preview *against
     gnuplot_begin(&g, path, panels * (PANEL + GAP) + 70, PANEL + 160);
     fprintf(
         g.to,
-        "set multiplot title 'Image slices at φ_d = 90°: sRGB of %.3g · BRDF in 1/sr'\nset tmargin at screen "
+        "set multiplot title 'Image slices at φ_d = 90°: sRGB of %.3g · BRDF in 1/sr'\nunset key\nset tmargin at "
+        "screen "
         "%g\nset bmargin at screen %g\nset xrange [0:90]\nset yrange [0:90]\nset xtics 30\nset ytics 30\nset tics out "
         "nomirror\nset xlabel 'half angle θ_h, degrees'\n",
         exposure, 1 - 70.0 / (PANEL + 160), 90.0 / (PANEL + 160));

@@ -237,7 +237,7 @@ void preview_lobe(const struct preview *p, double theta_in, const char *path)
     gnuplot_begin(&g, path, WIDTH, HEIGHT + HEAD);
     fprintf(g.to,
             "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen %g\n"
-            "unset border\nunset tics\nset xrange [0:%d]\nset yrange [0:%d]\nset label ",
+            "unset border\nunset tics\nunset key\nset xrange [0:%d]\nset yrange [0:%d]\nset label ",
             (double)HEIGHT / (HEIGHT + HEAD), WIDTH, HEIGHT);
     gnuplot_text(&g, p->title);
     fprintf(g.to,

@@ -40,7 +40,7 @@ void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i),
     gnuplot_begin(&g, path, width, height + HEAD + FOOT);
     fprintf(g.to,
             "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen %.9g\nset tmargin at screen %.9g\n"
-            "unset border\nunset tics\nset xrange [0:%d]\nset yrange [0:%d]\n",
+            "unset border\nunset tics\nunset key\nset xrange [0:%d]\nset yrange [0:%d]\n",
             (double)FOOT / (height + HEAD + FOOT), 1 - (double)HEAD / (height + HEAD + FOOT), width, height);
     preview_legend(&g, marks);
     for (int i = 0; i < n; i++) {

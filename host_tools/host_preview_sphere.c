@@ -262,7 +262,7 @@ static void draw_page(const struct preview *p, const struct preview_image *image
     gnuplot_begin(&g, path, width, height);
     fprintf(g.to,
             "set lmargin at screen %.9g\nset rmargin at screen %.9g\nset bmargin at screen %.9g\nset tmargin at screen "
-            "%.9g\nunset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\nset title ",
+            "%.9g\nunset border\nunset tics\nunset key\nset xrange [0:1]\nset yrange [0:1]\nset title ",
             0.5 - 0.5 * image->width / width, 0.5 + 0.5 * image->width / width, (double)FOOT / height,
             1 - (double)HEAD / height);
     gnuplot_text(&g, p->title);

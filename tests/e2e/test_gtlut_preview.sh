@@ -119,7 +119,7 @@ else
 fi
 
 folder() {
-    "$G" preview half.ktx2 --against gold.csv --size 16 -o pictures || return 1
+    quiet "$G" preview half.ktx2 --against gold.csv --size 16 -o pictures || return 1
     [ "$(ls pictures | tr '\n' ' ')" = "image_slices.svg lobe.png plots.svg slices.svg sphere.png " ] || { ls pictures; return 1; }
     for f in pictures/*.svg; do node "$SVG" "$f" check || return 1; done
     for f in pictures/*.png; do [ "$(head -c 4 "$f" | tail -c 3)" = PNG ] || return 1; done
