@@ -53,7 +53,7 @@ AGAIN = @$(MAKE) --no-print-directory $(if $(findstring -j,$(MAKEFLAGS)),,-j$(JO
 all: $(B)/libgoniotile.a $(TOOLS:%=$(B)/%) $(B)/goniotile_oiio.so ## build the freestanding library, the simulator and the host tools
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/prove/prove.mk tests/board/board.mk tests/guest/guest.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/prove/prove.mk tests/board/board.mk tests/guest/guest.mk tests/report/report.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 # --- packages: each target installs what it needs itself ---
 DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
@@ -225,6 +225,7 @@ install: all man ## install under DESTDIR/PREFIX: tools, manual pages, library, 
 
 include tests/board/board.mk
 include tests/guest/guest.mk
+include tests/report/report.mk
 
 clean: ## remove everything built
 	rm -rf $(B)

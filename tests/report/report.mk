@@ -1,0 +1,15 @@
+# The report: experiments of Cezner and Havran 2024 and of James 2022, and what tables cost. A chapter is a script tests/report/N_name.sh.
+DEPS_REPORT := $(DEPS_DEMO) $(CROSS) gnuplot-nox qemu-system-arm
+.PHONY: deps-report report report-built
+deps-report:
+	@tests/install_deps.sh $(DEPS_REPORT)
+report: deps-report ## write build/report/REPORT.md: the literature's experiments with pictures, plots and CSV
+	$(AGAIN) report-built
+# Beside goniotile_oiio.so.
+REPORT_PROGRAMS := $(patsubst tests/report/%.c,$(B)/report_%,$(wildcard tests/report/*.c))
+$(REPORT_PROGRAMS): $(B)/report_%: $(B)/host/tests/report/%.o $(LIBS)
+	$(CC) -o $@ $^ -lz -lm -ldl
+report-programs: all $(REPORT_PROGRAMS)
+report-built: report-programs demo-data $(foreach t,cortex-m3 cortex-m7,$(B)/board/$(t)/firmware.elf) $(B)/board/make_image \
+    $(B)/board/measured.img $(B)/board/lafortune_phong.img
+	@B=$(B) tests/report/report.sh
