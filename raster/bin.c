@@ -471,7 +471,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     if (!stored)
         return RASTER_ERR_ARENA;
     if (r->bounds)
-        r->budget_needed = raster_bounds_finish(r);
+        r->budget_needed = raster_min_tile_budget(r);
     return f->tile_budget && r->budget_needed > f->tile_budget ? RASTER_ERR_BUDGET : RASTER_OK;
 }
 

@@ -195,7 +195,7 @@ static uint32_t mean_above(uint64_t sum, uint32_t count)
     return quotient;
 }
 
-uint32_t raster_bounds_finish(struct raster *r)
+uint32_t raster_min_tile_budget(struct raster *r)
 {
     const struct raster_costs *c = r->frame.costs;
     const uint64_t flat = flat_cost(r);

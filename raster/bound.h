@@ -46,8 +46,9 @@ void raster_bound_coarse(struct raster *r, const struct raster_object *o, const 
 /* Adds one of the levels wanted. */
 void raster_bound_wanted(struct raster *r, const struct raster_load *load, const struct raster_extent *e,
                          const struct raster_tiles *tiles);
-/* Adds what each tile takes besides drawing. Returns the mean of what they need at least, rounded up. */
-uint32_t raster_bounds_finish(struct raster *r);
+/* The least tile_budget that the frame can be given: adds to each tile's `least` what it takes besides drawing, once, and returns the mean,
+ * rounded up. */
+uint32_t raster_min_tile_budget(struct raster *r);
 /* Roughly what drawing all tiles takes. */
 uint64_t raster_bounds_drawing(const struct raster *r);
 
