@@ -6,7 +6,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 B=${B:-build}
 target=$1 out=$2
-input=$B/board/calibrate.bin
+input=$B/board/$target/calibrate.bin
 parts=("$B/demo/six_models.blob" "$B/demo/gold.ktx2" "$B/board/gold_91x46.ktx2")
 # Four bytes, the lowest first.
 little() { printf "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255)) $(($1 >> 24)))"; }
