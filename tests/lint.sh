@@ -56,11 +56,14 @@ claim hal_h_includes_nothing_else "$(include_problems "$free" $(sources hal))"
 # sim_device is the simulated board's main: firmware on a board, as a library, since many live in one process.
 claim sim_includes_hal_h_and_libc_and_its_main_app_h "$(
     include_problems "$any|hal/hal\.h|hal/sim/sim(_internal)?\.h" $(sources hal/sim | grep -v /sim_device)
-    include_problems "$any|hal/hal\.h|hal/sim/.*|firmware/(app|usb_protocol)\.h" $(sources hal/sim /sim_device)
+    include_problems "$any|hal/hal\.h|hal/sim/.*|hal/costs/.*|firmware/(app|usb_protocol)\.h" $(sources hal/sim /sim_device)
 )"
 claim boards_include_hal_h_and_main_app_h "$(for f in $board_files; do
     own="$(dirname "$f")/.*|hal/emulated/board\.h" # what the emulated boards share
-    case $f in */main.c) own="$own|firmware/app\.h" ;; esac
+    case $f in
+    */main.c) own="$own|firmware/app\.h|hal/costs/.*" ;;
+    hal/costs/*) own="$own|raster/quality\.h" ;;
+    esac
     include_problems "$free|hal/hal\.h|$own" "$f"
 done)"
 claim tools_include_lut_raster_protocol_and_libraries "$(include_problems "$tools_may" $tool_files)"
