@@ -127,6 +127,12 @@ $(B)/board/measured.img $(B)/board/lafortune_phong.img: $(B)/board/make_image $(
 BOARD ?= cortex-m7
 calibrate: deps-board ## measure what a tile's steps take on BOARD=cortex-m3|cortex-m4|cortex-m7 and write hal/costs
 	$(AGAIN) calibrate-built
+# The same pictures on the host: tests/e2e/test_rates_boards.sh.
+$(B)/board/calibrate-host: tests/board/calibrate/main.c tests/board/host/board.c hal/emulated/report.c $(wildcard lut/*.[ch] raster/*.[ch])
+	@mkdir -p $(@D)
+	$(CC) -std=gnu11 -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wall -Wextra -Werror $(CORE_INC) -Ihal/emulated -o $@ $(filter %.c,$^)
+check-built: $(B)/board/calibrate-host $(foreach t,cortex-m3 cortex-m7 cortex-m33 rv32imac,$(B)/board/$(t)/calibrate.elf) \
+    $(B)/board/gold_91x46.ktx2
 calibrate-built: $(B)/board/$(BOARD)/calibrate.elf $(B)/bench/calibrate $(B)/demo/six_models.blob $(B)/demo/gold.ktx2 $(B)/board/gold_91x46.ktx2
 	@B=$(B) tests/board/calibrate.sh $(BOARD) hal/costs/$(subst -,_,$(BOARD)).h
 

@@ -6,8 +6,9 @@
  *   point TICKS ...                                                     ... under point lights alone
  *   finish TICKS covered shading row_pixels row_lights                  one tile; shading and pixels of what is shaded in rows
  *   end hash H                                                          of all pixels: the same on every target
- * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: how many bytes blob, half-vector table and
- * specular-frame table have (uint32_t each, and one more), then these, 16-aligned.
+ * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: four uint32_t, how many bytes blob, half-vector table and
+ * specular-frame table have and 0, then these, 16-aligned. The fourth other than 0: a short walk for the hash alone, every so many tiles, half
+ * of them with four samples per pixel. tests/board/host/board.c is a host's board.
  */
 #include "board.h"
 #include "bound.h"
@@ -24,6 +25,8 @@ static struct scene_camera camera;
 static struct raster raster;
 static struct raster_tile work;
 static uint32_t hash = REPORT_HASH_START; /* of all pixels */
+static uint32_t stride = 3;               /* of tiles */
+static bool measures = true;
 
 /* One tick for each row: what bound.h counts is their number. */
 static const struct raster_costs of_rows = {.row = 16};
@@ -42,7 +45,7 @@ static void checked(bool right, const char *wrong)
     board_exit(BOARD_EXIT_FAILED);
 }
 
-static const uint8_t *open_input(void)
+static void open_input(void)
 {
     const uint32_t *bytes = (const uint32_t *)(const void *)board_input;
     const uint8_t *at = board_input + 16, *part[3];
@@ -51,7 +54,8 @@ static const uint8_t *open_input(void)
     checked(scene_open(&scene, part[0], bytes[0]) == SCENE_OK, "no scene");
     checked(lut_open(&half_vector, part[1], bytes[1]) == LUT_OK, "no half-vector table");
     checked(lut_open(&specular_frame, part[2], bytes[2]) == LUT_OK, "no specular-frame table");
-    return at;
+    measures = !bytes[3];
+    stride = measures ? stride : bytes[3];
 }
 
 /* All materials of one way of shading. */
@@ -224,6 +228,8 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     raster_tile_finish(&raster, &work, &rect, &stats);
     const uint32_t finish = clock_now() - start;
     hash = report_hash(hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
+    if (!measures)
+        return;
     if (print) {
         report_text("survey");
         report_number("", surveyed);
@@ -264,9 +270,12 @@ _Noreturn void board_main(void)
                 for (unsigned light = 0; light < 3; light++) {
                     if (shading >= RASTER_SHADE_DIFFUSE_ROW && (rate || light == 2))
                         continue; /* rows are of rate 1x1 under directional lights */
-                    begin(light == 0 ? set_lights(3, 0) : light == 1 ? set_lights(1, 0) : set_lights(0, 4), 1);
-                    const bool print = shading == 0 && rate == 0 && light == 0;
-                    for (uint32_t t = c; t < raster_tile_count(&raster); t += 3)
+                    begin(light == 0   ? set_lights(3, 0)
+                          : light == 1 ? set_lights(1, 0)
+                                       : set_lights(0, 4),
+                          !measures && c % 2 ? 4 : 1);
+                    const bool print = measures && shading == 0 && rate == 0 && light == 0;
+                    for (uint32_t t = c; t < raster_tile_count(&raster); t += stride)
                         tile(t, (enum raster_shading)shading, (enum raster_rate)rate, print);
                 }
         }
