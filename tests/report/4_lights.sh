@@ -82,7 +82,7 @@ $(sed '1s/.*/lights,Blinn-Phong LDR,GGX + ACES,measured + ACES,measured LDR,Blin
 
 | lights | Blinn-Phong, LDR | GGX, ACES | measured, ACES | measured, LDR |
 |---|---|---|---|---|
-$(for n in 1 2 5 10; do [ ! -e "$OUT/4_ggx_$n.png" ] || echo "| $n $(for model in "${models[@]}"; do cell "4_${model}_$n.png" 240; done)"; done)
+$(for n in 1 2 5 10; do [ ! -e "$OUT/4_ggx_$n.png" ] || echo "| $n |$(for model in "${models[@]}"; do cell "4_${model}_$n.png" 240; done)"; done)
 
 Numbers: [4_lights.csv](4_lights.csv).
 MARKDOWN

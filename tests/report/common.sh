@@ -56,3 +56,27 @@ floor_mesh() { # N
 cell() { # picture pixels_wide
     printf ' <img src="%s" width="%s" alt=""> |' "$1" "$2"
 }
+
+# Names of the data folder's materials and of what gtlut opens, a line each; the demo's without it.
+materials() {
+    local file name
+    if [ -n "$DATA" ]; then
+        for file in "$DATA"/brdf/*_rgb.bsdf; do
+            name=$(basename "${file%_rgb.bsdf}")
+            echo "$name $file"
+        done
+        tail -n +2 "$DATA/brdf/merl_sgd.csv" | sed -n "s#^\([a-z][^,]*\),.*#\1 $DATA/brdf/merl_sgd.csv:\1#p"
+    else
+        for file in "$B"/demo/*.csv; do
+            name=$(basename "${file%.csv}")
+            echo "$name $file"
+        done
+    fi
+}
+
+# For xargs: `each FUNCTION` runs the exported function once per line of stdin, two words, on all processors.
+each() {
+    export -f "$1" table quietly
+    export B OUT QUICK work
+    xargs -P "$(nproc)" -L 1 bash -euc "$1"' "$@"' each
+}

@@ -1,5 +1,5 @@
 # The report: experiments of Cezner and Havran 2024 and of James 2022, and what tables cost. A chapter is a script tests/report/N_name.sh.
-DEPS_REPORT := $(DEPS_DEMO) $(CROSS) gnuplot-nox qemu-system-arm
+DEPS_REPORT := $(DEPS_DEMO) $(CROSS) gnuplot-nox nodejs qemu-system-arm
 .PHONY: deps-report report report-built
 deps-report:
 	@tests/install_deps.sh $(DEPS_REPORT)
@@ -7,7 +7,7 @@ report: deps-report ## write build/report/REPORT.md: the literature's experiment
 	$(AGAIN) report-built
 # Beside goniotile_oiio.so.
 REPORT_PROGRAMS := $(patsubst tests/report/%.c,$(B)/report_%,$(wildcard tests/report/*.c))
-$(REPORT_PROGRAMS): $(B)/report_%: $(B)/host/tests/report/%.o $(LIBS)
+$(REPORT_PROGRAMS): $(B)/report_%: $(B)/host/tests/report/%.o $(B)/libreference.a $(LIBS)
 	$(CC) -o $@ $^ -lz -lm -ldl
 report-programs: all $(REPORT_PROGRAMS)
 report-built: report-programs demo-data $(foreach t,cortex-m3 cortex-m7,$(B)/board/$(t)/firmware.elf) $(B)/board/make_image \
