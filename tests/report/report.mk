@@ -10,6 +10,7 @@ REPORT_PROGRAMS := $(patsubst tests/report/%.c,$(B)/report_%,$(wildcard tests/re
 $(REPORT_PROGRAMS): $(B)/report_%: $(B)/host/tests/report/%.o $(B)/libreference.a $(LIBS)
 	$(CC) -o $@ $^ -lz -lm -ldl
 report-programs: all $(REPORT_PROGRAMS)
+check-built: $(REPORT_PROGRAMS)
 report-built: report-programs demo-data $(foreach t,cortex-m3 cortex-m7,$(B)/board/$(t)/firmware.elf) $(B)/board/make_image \
     $(B)/board/measured.img $(B)/board/lafortune_phong.img
 	@B=$(B) tests/report/report.sh
