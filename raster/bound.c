@@ -200,7 +200,7 @@ uint32_t raster_min_tile_budget(struct raster *r)
     const struct raster_costs *c = r->frame.costs;
     const uint64_t flat = flat_cost(r);
     const uint64_t pass = (uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * r->frame.light_count +
-                          (uint64_t)c->region * RASTER_MAX_REGIONS + c->plan;
+                          (uint64_t)c->flat * RASTER_MAX_REGIONS + c->plan;
     const uint32_t tiles = raster_tile_count(r);
     uint64_t sum = 0;
     for (uint32_t t = 0; t < tiles; t++) {

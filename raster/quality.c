@@ -124,6 +124,8 @@ uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_
                      : c->shading[w->shading].sample + (uint64_t)(w->directional + w->points) * point;
     /* Sums of a tile: 2^12 samples, 2^8 lights, costs of less than 2^32 each */
     const uint64_t sum = w->samples * sample + cells_cost(c, w) +
-                         w->blocks * (c->region + (uint64_t)w->directional * c->shading[w->shading].material);
+                         w->blocks * (w->rate == RASTER_RATE_FLAT
+                                          ? c->flat
+                                          : c->region + (uint64_t)w->directional * c->shading[w->shading].material);
     return sum >> 4 < UINT32_MAX ? (uint32_t)(sum >> 4) + 1 : UINT32_MAX;
 }

@@ -113,7 +113,8 @@ struct raster_costs {
     uint32_t tested;   /* a pixel whose depth is compared */
     uint32_t survey;   /* a surface counted */
     uint32_t light;    /* a light tried in a survey */
-    uint32_t region;   /* with a surface to be shaded */
+    uint32_t region;   /* gone through, once for each material and rate, with its first block */
+    uint32_t flat;     /* the same at rate flat */
     uint32_t cell;     /* of a rate's cells, visited */
     uint32_t part;     /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
     uint32_t mixed;    /* what it takes more beside others */

@@ -98,8 +98,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Coordinate descent on the normal equations of relative residuals. Returns the 99th hundredth of measured over fitted. */
-static double fit_solve(struct fit *f, const char *name)
+/* Coordinate descent on the normal equations of relative residuals. Returns the 99th hundredth of measured over fitted; *most the most. */
+static double fit_solve(struct fit *f, const char *name, double *most)
 {
     double h[MAX_VARIABLES][MAX_VARIABLES] = {{0}}, g[MAX_VARIABLES] = {0}, *ratio = xmalloc(f->count * sizeof *ratio);
     for (size_t i = 0; i < f->count; i++)
@@ -122,6 +122,7 @@ static double fit_solve(struct fit *f, const char *name)
     const double p99 = ratio[f->count * 99 / 100];
     fprintf(stderr, "%-6s %6zu measurements over fit: 1 %% %.3f, median %.3f, 99 %% %.3f, most %.3f\n", name, f->count,
             ratio[f->count / 100], ratio[f->count / 2], p99, ratio[f->count - 1]);
+    *most = ratio[f->count - 1];
     free(ratio);
     return p99;
 }
@@ -141,8 +142,8 @@ static void fit_free(struct fit *f)
 /* --- the table --- */
 
 struct table {
-    double tile, meshlet, vertex, triangle, general, clipped, facing, row, tested, survey, light, region, cell, part,
-        mixed, run, copied, finished;
+    double tile, meshlet, vertex, triangle, general, clipped, facing, row, tested, survey, light, region, flat, cell,
+        part, mixed, run, copied, finished;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -162,7 +163,8 @@ static void fit_drawing(struct table *t, const struct lines *all)
         if (is(l, "draw"))
             fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){1, v[0], v[1], v[2] ? 0 : v[1], v[3], v[4], v[5]});
     }
-    fit_solve(&f, "draw");
+    double most;
+    fit_solve(&f, "draw", &most);
     fit_scale(&f, 1.05);
     const double *x = f.x;
     t->meshlet = x[0], t->vertex = x[1], t->triangle = x[2], t->general = x[3], t->facing = x[4], t->row = x[5],
@@ -211,7 +213,8 @@ static void fit_shading(struct table *t, const struct lines *all)
             fit_add(&f, l->ticks, counts);
         }
     }
-    fit_scale(&f, fit_solve(&f, "shade"));
+    double most;
+    fit_scale(&f, fit_solve(&f, "shade", &most));
     for (size_t i = 0; i < all->count; i++) { /* regions with few pixels take more than their parts */
         const struct line *l = &all->line[i];
         if (!is_regular(l))
@@ -228,16 +231,35 @@ static void fit_shading(struct table *t, const struct lines *all)
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
         const int k = (int)l->v[0];
-        if (!is(l, "point") && !(is(l, "shade") && l->v[1] == RASTER_RATE_FLAT))
+        if (!is(l, "point") || l->v[1] == RASTER_RATE_FLAT || l->v[5] < LARGE)
             continue;
         shade_counts(counts, l->v, 0);
         counts[4 * k + 2] = counts[4 * k + 3] = 0;
-        if (l->v[1] == RASTER_RATE_FLAT) {
-            at_least(&t->shading[k].flat, (l->ticks - t->region * l->v[7] - t->copied * l->v[5]) / l->v[2]);
-        } else if (l->v[5] >= LARGE) {
-            at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
-        }
+        at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
     }
+    fit_free(&f);
+}
+
+/* Rate flat, under RASTER_LEAST_LIGHTS point lights: an upper bound of any kind's. */
+static void fit_flat(struct table *t, const struct lines *all)
+{
+    struct fit f = {.variables = KINDS + 1};
+    double most;
+    for (size_t i = 0; i < all->count; i++) {
+        const struct line *l = &all->line[i];
+        double counts[MAX_VARIABLES] = {0};
+        if (!is(l, "point") || l->v[1] != RASTER_RATE_FLAT)
+            continue;
+        counts[(int)l->v[0]] = l->v[2];
+        counts[KINDS] = l->v[7];
+        fit_add(&f, l->ticks - t->copied * l->v[5], counts);
+    }
+    fit_solve(&f, "flat", &most);
+    for (size_t i = 0; i < f.count; i++)
+        at_least(&f.x[KINDS], f.x[KINDS] + (f.ticks[i] - fit_at(&f, f.counts[i])) / f.counts[i][KINDS]);
+    for (int k = 0; k < KINDS; k++)
+        t->shading[k].flat = f.x[k];
+    t->flat = f.x[KINDS];
     fit_free(&f);
 }
 
@@ -261,7 +283,8 @@ static void fit_rest(struct table *t, const struct lines *all)
             fit_add(&f, l->ticks, counts);
         }
     }
-    fit_scale(&f, fmax(fit_solve(&f, "finish"), 1));
+    double most;
+    fit_scale(&f, fmax(fit_solve(&f, "finish", &most), 1));
     f.x[0] = 0;
     for (size_t i = 0; i < f.count; i++) /* tiles at the picture's edge have less background */
         at_least(&t->tile, clear + f.ticks[i] - fit_at(&f, f.counts[i]));
@@ -306,6 +329,7 @@ static void print_table(const struct table *t, const char *target)
     print_cost("survey", t->survey);
     print_cost("light", t->light);
     print_cost("region", t->region);
+    print_cost("flat", t->flat);
     print_cost("cell", t->cell);
     print_cost("part", t->part);
     print_cost("mixed", t->mixed);
@@ -330,6 +354,7 @@ int main(int argc, char **argv)
     const struct lines all = read_lines(argv[2]);
     fit_drawing(&t, &all);
     fit_shading(&t, &all);
+    fit_flat(&t, &all);
     fit_rest(&t, &all);
     print_table(&t, argv[1]);
     free(all.line);

@@ -188,7 +188,7 @@ static uint32_t count_pixels(uint32_t *parts)
     return sum;
 }
 
-/* Ticks of shading all regions, and their blocks. */
+/* Ticks of shading the regions where something waits, and their blocks. */
 static uint32_t shade(const struct raster_survey *s, const struct raster_rect *rect, enum raster_rate rate,
                       uint32_t *blocks, struct raster_stats *stats)
 {
@@ -200,9 +200,12 @@ static uint32_t shade(const struct raster_survey *s, const struct raster_rect *r
     q.lights = RASTER_ALL_LIGHTS;
     *blocks = 0;
     for (uint32_t region = 0; region < regions; region++) {
+        const uint32_t before = *blocks;
         for (uint32_t m = 0; m < s->classes; m++)
             if (s->area[m][region].pixels)
                 *blocks += raster_region_blocks(&raster, rect, region, rate);
+        if (*blocks == before)
+            continue;
         const uint32_t start = clock_now();
         raster_tile_shade(&raster, &work, rect, region, &q, stats);
         ticks += clock_now() - start;
