@@ -55,7 +55,8 @@ static void no_point_of_a_box_gets_more_light(void **state)
 
 static void ticks_are_the_sum_of_what_is_done(void **state)
 {
-    struct raster_costs c = {.region = 1600, .copied = 32, .cell = 16, .part = 48, .mixed = 80, .run = 64};
+    struct raster_costs c = {
+        .region = 1600, .flat = 4000, .copied = 32, .cell = 16, .part = 48, .mixed = 80, .run = 64};
     (void)state;
     c.shading[RASTER_SHADE_BLINN_PHONG].material = 800;
     c.shading[RASTER_SHADE_BLINN_PHONG].sample = 480;
