@@ -97,6 +97,7 @@ B=$B tests/bench/raster_rows.sh >>"$csv"
 
 # --- shading: cost and error of every table and model; beside llvmpipe ---
 B=$B tests/bench/shade_rows.sh >>"$csv"
+B=$B GONIOTILE_ROWS=$csv tests/e2e/test_budget_boards.sh >"$work/budget" 2>&1 || { cat "$work/budget" >&2; exit 1; }
 "$B/bench/bench_tables" >"$work/tables"
 grep -v '^#' "$work/tables" >>"$csv" || cat "$work/tables" >&2 # the data folder is missing
 B=$B tests/bench/llvmpipe_rows.sh >>"$csv"

@@ -40,6 +40,8 @@ $(B)/board/$(1)/work_a.elf $(B)/board/$(1)/fault.elf $(B)/board/$(1)/calibrate.e
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/shade.elf: $(B)/board/$(1)/tests/board/shade/main.o $(B)/board/$(1)/tests/board/shade/sphere.o $(BOARD_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) -Wl,--wrap=raster_finish_pixels $(2) $$^ -lgcc -o $$@
+$(B)/board/$(1)/budget.elf: $(B)/board/$(1)/tests/board/budget/main.o $(BOARD_OBJ_$(1)) $(patsubst %,$(B)/board/$(1)/firmware/%.o,budget budget_plan budget_choose)
+	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/push.elf: $(B)/board/$(1)/tests/board/push/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
 	$(BOARD_CC_$(1)) $(BOARD_LINK) $(2) $$^ -lgcc -o $$@
 $(B)/board/$(1)/firmware.elf: $(B)/board/$(1)/hal/emulated/main.o $(BOARD_OBJ_$(1)) $(BOARD_FIRMWARE_OBJ_$(1))
@@ -121,6 +123,15 @@ $(B)/board/measured.img: $(B)/demo/six_models.blob
 $(B)/board/lafortune_phong.img: $(B)/board/six_models_lafortune.blob
 $(B)/board/measured.img $(B)/board/lafortune_phong.img: $(B)/board/make_image $(BOARD_TABLES)
 	$(B)/board/make_image $@ 256 264 $(filter %.blob,$^) $(BOARD_TABLES)
+
+# Frames at budgets on the boards.
+$(B)/board/make_input: $(B)/host/tests/board/budget/make_input.o $(B)/host/tests/budget/scenes.o $(LIBS)
+	$(CC) -o $@ $^ -lz -lm
+$(B)/host/tests/board/budget/make_input.o: CORE_INC += -Itests/budget
+BUDGET_BOARDS := cortex-m3 cortex-m4 cortex-m7
+budget-boards: $(B)/board/make_input $(BUDGET_BOARDS:%=$(B)/board/%/budget.elf) $(B)/board/gold_91x46.ktx2 $(BOARD_TABLES)
+.PHONY: budget-boards
+check-built bench-built: $(if $(wildcard firmware/budget.c),budget-boards)
 
 # Costs of a tile's steps on a target, for budgets.
 .PHONY: calibrate calibrate-built

@@ -1,0 +1,284 @@
+/*
+ * Frames at budgets on an emulated board, with the board's own clock, which counts instructions exactly. Input: input.h. Lines:
+ *   tiles N over N frames N reduced N coarse N late N           over: tiles that took more than their share; late: frames more than theirs
+ *   differ N                                                    frames at generous budgets that are not the unlimited one, bit for bit
+ *   ratio p50 N p99 N most N                                    spent over predicted of a tile, thousandths
+ *   used p50 N own N                                            of reduced frames: spent over budget; deciding over budget; thousandths, millionths
+ * and of one scene alone, when still, at parts of what its shading takes at full quality besides all else:
+ *   full fixed N shading N                                      ticks of a frame: all else, shading
+ *   half|quarter|given budget N spent N shading N squares N     per tile; per frame: ticks, what of them is beyond `fixed`, squared errors summed
+ */
+#include "board.h"
+#include "budget.h"
+#include "input.h"
+
+enum {
+    WIDTH = 320,
+    HEIGHT = 240,
+    TILES = ((WIDTH + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH) *
+            ((HEIGHT + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT),
+    ARENA_BYTES = 512 * 1024,
+    BUCKETS = 4096, /* of ratios, a thousandth each */
+    LEARN = 8       /* frames until a still picture is steady */
+};
+
+struct histogram {
+    uint32_t count[BUCKETS], sum, most;
+};
+
+static uint64_t arena[ARENA_BYTES / 8];
+static struct scene scene;
+static struct lut_table tables[BUDGET_INPUT_TABLES];
+static const struct lut_table *slots[RASTER_MAX_SLOTS];
+static struct raster raster;
+static struct raster_tile work;
+static struct raster_memory memory;
+static struct budget budget;
+static struct histogram ratios, used;
+static uint32_t tiles, over, frames, reduced_frames, coarse, late, differ;
+static uint64_t own_ticks, reduced_ticks;
+static uint64_t random_state;
+
+static const struct budget_input *input(void)
+{
+    return (const struct budget_input *)(const void *)board_input;
+}
+
+static void checked(bool right, const char *wrong)
+{
+    if (right)
+        return;
+    report_text(wrong);
+    report_text("\n");
+    board_exit(BOARD_EXIT_FAILED);
+}
+
+static uint32_t draw(uint32_t below)
+{
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)((random_state >> 32) * below >> 32);
+}
+
+static void add(struct histogram *h, uint64_t over_this, uint64_t under)
+{
+    const uint32_t thousandths = (uint32_t)((over_this * 1000 + under - 1) / under); /* rounded up */
+    h->count[thousandths < BUCKETS ? thousandths : BUCKETS - 1]++;
+    h->sum++;
+    h->most = thousandths > h->most ? thousandths : h->most;
+}
+
+static uint32_t quantile(const struct histogram *h, uint32_t hundredths)
+{
+    uint32_t at = 0;
+    for (uint32_t below = h->count[0]; at < BUCKETS - 1 && (uint64_t)below * 100 < (uint64_t)h->sum * hundredths;)
+        below += h->count[++at];
+    return at;
+}
+
+/* Squared errors of a tile against the picture at board_picture. */
+static uint32_t tile_squares(const struct raster_rect *rect)
+{
+    uint32_t sum = 0;
+    for (uint32_t y = 0; y < rect->height; y++) {
+        const uint8_t *full = board_picture + ((rect->y + y) * (uint32_t)WIDTH + rect->x) * 3,
+                      *p = raster_tile_pixels(&work) + y * rect->width * 3u;
+        for (uint32_t i = 0; i < rect->width * 3u; i++)
+            sum += (uint32_t)((p[i] - full[i]) * (p[i] - full[i]));
+    }
+    return sum;
+}
+
+static uint32_t clock_read(void *ctx)
+{
+    (void)ctx;
+    return board_clock();
+}
+
+/* Of hal.h this part asks for the clock alone. */
+static struct hal hal;
+
+static enum raster_status begin(uint32_t mean)
+{
+    const struct raster_frame frame = {.scene = &scene,
+                                       .camera = &scene.header->camera,
+                                       .output = &scene.header->output,
+                                       .lights = scene.lights,
+                                       .materials = scene.materials,
+                                       .tables = slots,
+                                       .width = WIDTH,
+                                       .height = HEIGHT,
+                                       .light_count = (uint8_t)scene.header->lights.count,
+                                       .format = RASTER_RGB888,
+                                       .samples = 1,
+                                       .costs = &input()->costs,
+                                       .tile_budget = mean,
+                                       .memory = mean ? &memory : NULL};
+    return raster_begin(&raster, &frame, arena, sizeof arena);
+}
+
+struct frame {
+    uint64_t spent, squares;
+    uint32_t hash;
+    bool reduced;
+};
+
+/* `compare`: its hash and squares are wanted. */
+static struct frame render(uint32_t mean, bool compare)
+{
+    struct frame f = {.hash = REPORT_HASH_START};
+    uint64_t own = 0;
+    checked(begin(mean) == RASTER_OK, "no frame");
+    budget_begin(&budget, &hal, &raster, mean);
+    for (uint32_t t = 0; t < TILES; t++) {
+        struct raster_rect rect;
+        struct raster_stats stats;
+        struct budget_report report;
+        budget_render_tile(&budget, &report, &raster, t, &work, &rect, &stats);
+        f.spent += report.spent;
+        if (compare) {
+            f.squares += tile_squares(&rect);
+            f.hash = report_hash(f.hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
+        }
+        if (!mean)
+            continue;
+        own += report.own;
+        tiles++;
+        over += report.spent > report.share;
+        coarse += report.coarse;
+        f.reduced |= report.coarsest || report.coarse || report.lights != RASTER_ALL_LIGHTS;
+        add(&ratios, report.spent, report.predicted);
+    }
+    if (!mean)
+        return f;
+    frames++;
+    late += f.spent > (uint64_t)mean * TILES;
+    if (f.reduced) {
+        reduced_frames++;
+        add(&used, f.spent, (uint64_t)mean * TILES);
+        own_ticks += own;
+        reduced_ticks += (uint64_t)mean * TILES;
+    }
+    return f;
+}
+
+static void open_scene(uint32_t index)
+{
+    const struct budget_input *in = input();
+    checked(scene_open(&scene, board_input + in->scenes[index].at, in->scenes[index].bytes) == SCENE_OK, "no scene");
+    memory = (struct raster_memory){.contrast = {0}};
+    budget = (struct budget){.hal = &hal};
+}
+
+/* Of every scene a frame without limit, then budgets from the least to a tenth beyond what it took, and a generous one. */
+static void walk(void)
+{
+    for (uint32_t s = 0; s < input()->scene_count; s++) {
+        open_scene(s);
+        const struct frame full = render(0, s % 8 == 0);
+        const uint32_t least = raster.budget_needed, mean = (uint32_t)(full.spent / TILES) + 1;
+        const uint32_t most = (mean > least ? mean : least) / 10 * 11;
+        for (uint32_t i = 0; i < input()->frames; i++)
+            render(i ? least + draw(most - least + 1) : least, false);
+        if (s % 8 == 0) {
+            const struct frame generous = render(1u << 26, true);
+            differ += generous.reduced || generous.hash != full.hash;
+        }
+    }
+    report_text("tiles");
+    report_number("", tiles);
+    report_number("over", over);
+    report_number("frames", frames);
+    report_number("reduced", reduced_frames);
+    report_number("coarse", coarse);
+    report_number("late", late);
+    report_text("\ndiffer");
+    report_number("", differ);
+    report_text("\nratio");
+    report_number("p50", quantile(&ratios, 50));
+    report_number("p99", quantile(&ratios, 99));
+    report_number("most", ratios.most);
+    report_text("\nused");
+    report_number("p50", reduced_frames ? quantile(&used, 50) : 0);
+    report_number("own", reduced_ticks ? (uint32_t)(own_ticks * 1000000 / reduced_ticks) : 0);
+    report_text("\n");
+}
+
+/* A frame at full quality, step by step, into board_picture. Returns its ticks but for shading. */
+static uint32_t render_full(uint32_t *shading)
+{
+    static const struct raster_quality full = {.lights = RASTER_ALL_LIGHTS};
+    const uint32_t start = board_clock();
+    uint32_t shade = 0;
+    for (uint32_t t = 0; t < TILES; t++) {
+        struct raster_rect rect;
+        struct raster_stats stats;
+        raster_tile_begin(&raster, t, &work, &rect, &stats);
+        for (bool more = true; more;) {
+            more = raster_tile_draw(&raster, &work, UINT32_MAX, &stats) == RASTER_NO_SLOT;
+            const struct raster_survey *s = raster_tile_survey(&raster, &work, &rect);
+            const uint32_t surveyed = board_clock();
+            for (uint32_t region = 0; region < s->regions; region++)
+                raster_tile_shade(&raster, &work, &rect, region, &full, &stats);
+            shade += board_clock() - surveyed;
+            if (more)
+                raster_tile_free_slots(&raster, &work, &rect, &stats);
+        }
+        raster_tile_finish(&raster, &work, &rect, &stats);
+        report_tile(rect.x, rect.y, rect.width, rect.height, raster_tile_pixels(&work), WIDTH, 3);
+    }
+    *shading = shade;
+    return board_clock() - start - shade;
+}
+
+static void report_part(const char *name, uint32_t mean, uint32_t fixed)
+{
+    struct frame f = {0};
+    for (uint32_t i = 0; i < LEARN; i++)
+        f = render(mean, i == LEARN - 1);
+    report_text(name);
+    report_number("budget", mean);
+    report_number("spent", (uint32_t)f.spent);
+    report_number("shading", f.spent > fixed ? (uint32_t)f.spent - fixed : 0);
+    report_number("squares", (uint32_t)f.squares);
+    report_text("\n");
+}
+
+static void picture(void)
+{
+    uint32_t shading;
+    open_scene(0);
+    checked(begin(0) == RASTER_OK, "no frame");
+    const uint32_t fixed = render_full(&shading), given = input()->frames;
+    report_text("full");
+    report_number("fixed", fixed);
+    report_number("shading", shading);
+    report_number("least", raster.budget_needed);
+    report_text("\n");
+    if (given) {
+        report_part("given", given, fixed);
+        return;
+    }
+    report_part("half", (fixed + shading / 2) / TILES, fixed);
+    report_part("quarter", (fixed + shading / 4) / TILES, fixed);
+}
+
+static void open_tables(void)
+{
+    for (uint32_t i = 0; i < BUDGET_INPUT_TABLES && input()->tables[i].bytes; i++) {
+        checked(lut_open(&tables[i], board_input + input()->tables[i].at, input()->tables[i].bytes) == LUT_OK,
+                "no table");
+        slots[i] = &tables[i];
+    }
+}
+
+_Noreturn void board_main(void)
+{
+    hal.clock = clock_read;
+    random_state = input()->seed;
+    open_tables();
+    if (input()->mode == BUDGET_INPUT_TILES)
+        walk();
+    else
+        picture();
+    board_exit(BOARD_EXIT_OK);
+}
