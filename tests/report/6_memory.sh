@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# What a material's memory buys: error of every representation from 1 MB to 1 KB, and of three fitted models.
+. tests/report/common.sh
+materials >"$work/all"
+[ -z "$QUICK" ] || { sed -n 1p "$work/all" >"$work/one"; mv "$work/one" "$work/all"; }
+
+one() { # name source
+    local size model tables=() dir=$work/$1
+    mkdir "$dir"
+    for size in 256K 64K 16K 4K 1K; do
+        [ -z "$QUICK" ] || [ $size = 1K ] || continue
+        table "$2" "$dir/half_vector_$size.ktx2" --size $size
+    done
+    # As the instrument of the paper sees it: theta_in 0, 20, 40, 60, theta_out up to 75 degrees.
+    quietly "$B/gtlut" import "$2" --geometry minidiff -o "$dir/instrument.gtm"
+    for size in 361x181 181x91 91x46 46x23 23x12 12x6; do
+        [ -z "$QUICK" ] || [ $size = 12x6 ] || continue
+        quietly "$B/gtlut" build "$dir/instrument.gtm" -o "$dir/specular_frame_$size.ktx2" --kind specular_frame --size $size
+        case $size in 361x181 | 91x46 | 23x12) ;; *) continue ;; esac
+        quietly "$B/gtlut" build "$dir/instrument.gtm" -o "$dir/specular_frame_swap_$size.ktx2" --kind specular_frame --size $size --swap
+    done
+    tables=("$dir"/*.ktx2)
+    "$B/report_errors" "$2" "${tables[@]}" >"$dir/errors"
+    while read -r file _ mean _ p99 _ psnr; do
+        size=${file##*_} kind=${file%_*}
+        echo "$1,${kind##*/},${size%.ktx2},$("$B/gtlut" info "$file" | awk '$1 == "texels:" { print $2 * $4 * $6 * 4 }'),$mean,$p99,$psnr"
+    done <"$dir/errors" >"$dir.rows"
+    for model in lafortune_phong blinn_phong ggx; do
+        quietly "$B/gtlut" fit "$2" --model $model --geometry minidiff --json |
+            sed -E "s/.*\"mean_de\": ([^,]*),.*/$1,$model,fit,56,\1,,/" >>"$dir.rows" # a material of a scene blob has 56 bytes
+    done
+    rm -r "$dir"
+}
+each one <"$work/all"
+csv=$OUT/6_memory.csv
+{
+    echo 'material,representation,size,bytes,de_mean,de_p99,psnr'
+    while read -r name _; do cat "$work/$name.rows"; done <"$work/all"
+} >"$csv"
+# Over the materials. Bytes: the mean, as a half-vector table takes no more than it was given.
+summary() { # regex of materials
+    awk -F, -v OFS=, -v re="$1" 'NR > 1 && $1 ~ re { print $2 " " $3, $4, $5 }' "$csv" | sort -t, -k1,1 -k3,3g | awk -F, '
+        function out() { if (n) { split(name, f, " "); printf "%s,%s,%d,%.4f,%.4f,%.4f,%.4f\n", f[1], f[2], bytes / n, sum / n, v[int((n + 1) / 2)], v[int(0.9 * n + 0.999)], v[n] } }
+        $1 != name { out(); name = $1; n = sum = bytes = 0 } { v[++n] = $3; sum += $3; bytes += $2 } END { out() }' | sort -t, -k1,1 -k3,3gr
+}
+{ echo 'representation,size,bytes,de_mean,de_median,de_p90,de_worst'; summary .; } >"$OUT/6_summary.csv"
+plot 6_memory 980x440 <<GNUPLOT
+set multiplot layout 1,2
+set logscale xy; set xrange [32:2e6]; set xlabel 'bytes per material'; set ylabel 'mean dE (CIE 1976) of pictures of a sphere'
+set xtics ('32' 32, '256' 256, '1 K' 1024, '4 K' 4096, '16 K' 16384, '64 K' 65536, '256 K' 262144, '1 M' 1048576)
+set format y '%g'; set yrange [0.003:100]; set key top right noreverse Right font ',11'
+csv = '$OUT/6_summary.csv'
+do for [k = 0:1] {
+    set title (k ? '90th percentile of the materials' : 'median of the materials')
+    c = 5 + k
+    plot for [r in 'half_vector specular_frame specular_frame_swap lafortune_phong blinn_phong ggx'] \
+        csv skip 1 using (strcol(1) eq r ? \$3 : NaN):c with linespoints lw 2 pt 7 ps 0.7 title system("echo ".r." | tr _ ' '")
+}
+GNUPLOT
+count=$(wc -l <"$work/all")
+cat <<MARKDOWN
+
+## 6. Memory against error
+
+$count materials $([ -n "$DATA" ] && echo 'of the data folder (EPFL RGL measurements, fits to MERL)' || echo 'of the demo (there is no data folder)'), each in tables from 1 MB down to 1 KB, and as fitted models. Error: mean colour
+difference (CIE 1976) on three pictures of a sphere under one light each, in double precision from the texels, against the source's reciprocal part. Half-vector tables are fitted to the
+source itself; specular frames and models see what the paper's instrument does, θ_in 0, 20, 40 and 60 degrees and θ_out up to 75, and extrapolate the rest;
+"swap" exchanges light and viewer where that is nearer to what was measured.
+
+$(awk -F, -v OFS=, 'NR == 1 { print "representation,size,bytes,mean of the materials,median,90th percentile,worst"; next } { gsub("_", " ", $1); print }' "$OUT/6_summary.csv" | markdown_table)
+
+![memory against error](6_memory.svg)
+
+Cezner and Havran 2024 give one point, "around 1 MB of VRAM (361 · 181 · 4 pixels in RGB9_E5 format)", without an error: the specular frame 361x181 above.
+
+Numbers: [6_memory.csv](6_memory.csv) for every material, [6_summary.csv](6_summary.csv).
+MARKDOWN
