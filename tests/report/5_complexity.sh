@@ -69,8 +69,9 @@ cat <<MARKDOWN
 
 ## 5. Scene complexity
 
-100 point lights before ${counts[0]} to $last fixtures of $(sed -n '2s/,.*//p' "$csv") triangles, which always fill the picture (James 2022, section 3.4; its fixture is not published, ours is a gear wheel).
-"Set up" are the triangles of the levels of detail that the frame chose, counted once for every tile that they touch. Milliseconds: the fastest of $repeats frames on one thread of this machine.
+100 point lights before ${counts[0]} to $last fixtures of $(sed -n '2s/,.*//p' "$csv") triangles in rows and columns, the smaller the more there are (James 2022, section 3.4; its fixture is not published, ours is a gear wheel).
+"Set up" are the triangles of the levels of detail that the frame chose, counted once for every tile that they touch. What costs is light on pixels:
+a large fixture reaches up to more lamps than a small one, and the frame with the most triangles is the cheapest. Milliseconds: the fastest of $repeats frames on one thread of this machine.
 
 $(awk -F, 'NR == 1 { print "triangles,set up,Blinn-Phong: ms,GGX: ms,measured: ms,Blinn-Phong: M7 million instructions,GGX: M7,measured: M7"; next } { print }' "$csv" | markdown_table)
 
