@@ -389,11 +389,14 @@ FX_NOINLINE static void count_bins(struct binner *b)
     }
 }
 
-/* Whether drawing is expected to take more than 5/8 of the frame's budget. */
-static bool draws_too_much(const struct raster *r)
+/* Whether drawing is expected to leave less of the frame's budget than the last rung of shading takes: three quarters of what is needed. */
+static bool draws_too_much(struct raster *r)
 {
-    const uint64_t budget = (uint64_t)r->frame.tile_budget * raster_tile_count(r);
-    return budget && r->bounds && raster_bounds_drawing(r) > budget / 8 * 5;
+    if (!r->bounds)
+        return false;
+    r->budget_needed = raster_min_tile_budget(r);
+    const uint64_t tiles = raster_tile_count(r), drawing = raster_bounds_drawing(r);
+    return r->frame.tile_budget && drawing + (uint64_t)r->budget_needed * 3 / 4 * tiles > r->frame.tile_budget * tiles;
 }
 
 static enum raster_status check_frame(struct raster *r, const struct raster_frame *f)
@@ -458,7 +461,8 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
             store_bins(&b);
         else
             count_bins(&b);
-        if ((!b.full && !draws_too_much(r)) || b.coarsest || b.bias == MAX_BIAS)
+        const bool too_much = !b.full && draws_too_much(r);
+        if ((!b.full && !too_much) || b.coarsest || b.bias == MAX_BIAS)
             break;
     }
     r->lod_bias = b.bias;
@@ -470,8 +474,6 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->arena_needed = b.fixed_bytes + b.run_count * sizeof(struct raster_run);
     if (!stored)
         return RASTER_ERR_ARENA;
-    if (r->bounds)
-        r->budget_needed = raster_min_tile_budget(r);
     return f->tile_budget && r->budget_needed > f->tile_budget ? RASTER_ERR_BUDGET : RASTER_OK;
 }
 

@@ -71,8 +71,9 @@ void raster_load_find(struct raster_load *load, const struct raster *r, const st
     load->tested = tested < whole ? tested : whole;
     const uint64_t triangle =
         (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing);
-    load->ticks = cost_ticks(c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles +
-                             (uint64_t)c->row * rows + (uint64_t)c->tested * load->tested);
+    const uint64_t setup = c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles;
+    load->setup = cost_ticks(setup);
+    load->ticks = cost_ticks(setup + (uint64_t)c->row * rows + (uint64_t)c->tested * load->tested);
 }
 
 /* Rows and pixels of a triangle, at most, on the screen: pixel centres in its box. */
@@ -161,11 +162,12 @@ void raster_bound_wanted(struct raster *r, const struct raster_load *load, const
     const uint32_t whole = count * RASTER_TILE_PIXELS; /* < 2^24 and a tile */
     const uint32_t shown = (load->shown < whole ? load->shown : whole) / (2 * count);
     const uint32_t demand = cost_ticks((uint64_t)shown * e->pixel_cost);
+    const uint32_t drawing = load->setup + (load->ticks - load->setup) / (2 * count);
     for (int32_t y = tiles->y0; y <= tiles->y1; y++)
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
             b->largest = load->ticks > b->largest ? load->ticks : b->largest;
-            b->drawing = fx_add_sat_u(b->drawing, load->ticks / 2);
+            b->drawing = fx_add_sat_u(b->drawing, drawing);
             b->shown = fx_add_sat_u(b->shown, shown);
             b->demand = fx_add_sat_u(b->demand, demand);
         }

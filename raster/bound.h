@@ -31,6 +31,7 @@ struct raster_extent {
 /* A meshlet in any one tile. */
 struct raster_load {
     uint32_t ticks, tested; /* at most */
+    uint32_t setup;         /* of the ticks: before any pixel */
     uint32_t shown;         /* pixels^2 in all tiles, at most */
 };
 

@@ -53,6 +53,11 @@ static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t
     stats->samples += count;
     stats->tried += count * o->r->frame.light_count;
     stats->shaded += count * o->r->frame.light_count;
+    if (o->r->frame.costs) {
+        const struct raster_shading_cost *c =
+            &o->r->frame.costs->shading[raster_shading_of(o->r, info->material, RASTER_RATE_1X1)];
+        stats->cost += (uint64_t)count * (c->sample + o->r->frame.light_count * c->lit);
+    }
     return b->radiance[0];
 }
 
@@ -149,6 +154,8 @@ void raster_tile_finish(const struct raster *r, struct raster_tile *t, const str
         finish_samples(&o, stats);
     else
         finish_rows(&o, stats);
+    if (r->frame.costs)
+        stats->cost += (uint64_t)stats->covered * r->frame.costs->finished;
 }
 
 void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,

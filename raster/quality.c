@@ -31,8 +31,13 @@ enum raster_shading raster_shading_of(const struct raster *r, uint32_t material,
 uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, enum raster_rate rate)
 {
     /* In 1/16: three colours times the mean square of the distance from a cell's centre, times what was measured: see DESIGN.md. */
-    static const uint8_t factor[RASTER_RATE_COUNT] = {0, 18, 36, 68, 97, 240};
-    const uint64_t error = (uint64_t)s->detail[class_id] * factor[rate] >> 4; /* < 2^32 */
+    static const uint8_t factor[RASTER_RATE_FLAT] = {0, 18, 36, 68, 97};
+    /* A meshlet is a cell, too: of a x a pixels, as many as 4 x 4 are 97. */
+    const uint32_t flat = s->meshlets[class_id] ? 6u * s->total[class_id].pixels / s->meshlets[class_id] : 0;
+    const uint64_t error = (uint64_t)s->detail[class_id] * (rate != RASTER_RATE_FLAT ? factor[rate]
+                                                            : flat < 120             ? 120
+                                                                                     : flat) >>
+                           4;
     return error < 1u << 28 ? (uint32_t)error : 1u << 28;
 }
 

@@ -122,7 +122,7 @@ struct raster_costs {
     uint32_t copied;   /* a pixel of a cell or meshlet that is shaded once */
     uint32_t finished; /* a pixel packed */
     uint32_t plan;     /* choosing rates after a survey */
-    struct {
+    struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes */
         uint32_t sample;   /* gathering, tone curve */
         uint32_t lit;      /* under a directional light that reaches it */

@@ -78,6 +78,7 @@ struct raster_stats {
     uint32_t tried;     /* pixel-lights: of them, whether the surface faces the light or not */
     uint32_t shaded;    /* pixel-lights evaluated: of those, what is lit */
     uint32_t fetches;   /* table texels read */
+    uint64_t cost;      /* drawing, shading and finishing by the frame's costs, ticks with 4 fraction bits; 0 without */
 };
 
 struct raster_object; /* per-object transform of this frame, in the arena */
@@ -275,7 +276,7 @@ size_t raster_arena_bytes(const struct raster_frame *f);
 /*
  * Chooses levels of detail, culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. When the
  * arena is too small, or 16-bit ids run out, the threshold (of 0: 1/16 px) is doubled until the frame fits: no triangle is
- * ever left out; it is doubled, too, while drawing is expected to take more than 5/8 of a budget. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) and r->budget_needed
+ * ever left out; it is doubled, too, while drawing alone is expected to take a budget. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) and r->budget_needed
  * (RASTER_ERR_BUDGET) are set.
  */
 enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes);

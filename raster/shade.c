@@ -88,27 +88,42 @@ static void put_values(const struct shading *o, const uint32_t *value)
             raster_put_colour(&o->t->surface[b->surface[i]], value[i]);
 }
 
+static const struct raster_costs no_costs;
+
+static const struct raster_costs *costs_of(const struct raster *r)
+{
+    return r->frame.costs ? r->frame.costs : &no_costs;
+}
+
 static void flush(const struct shading *o, struct raster_block *k, struct raster_stats *stats)
 {
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[o->material];
     raster_model *model = find_model(r, m);
+    const struct raster_shading_cost *c = &costs_of(r)->shading[raster_shading_of(r, o->material, RASTER_RATE_4X4)];
     uint32_t lit = 0;
+    uint64_t cost = (uint64_t)b->count * c->sample;
     if (!b->count)
         return;
     __builtin_memset(b->radiance, 0, b->count * sizeof b->radiance[0]);
     for (unsigned l = 0, added = 0; l < r->frame.light_count; l++) {
         if (!(o->t->light_chosen[l / 32] >> l % 32 & 1))
             continue;
-        lit += raster_shade_light(o->t, k, r, o->x0, o->y0, l, model);
+        const bool planes = !r->lights[l].radius && !k->exact;
+        if (planes && (l >= RASTER_BLOCK_LIGHTS || !(k->ready >> l & 1)))
+            cost += c->material;
+        const uint32_t lit_by = raster_shade_light(o->t, k, r, o->x0, o->y0, l, model);
+        lit += lit_by;
         stats->tried += b->count;
+        cost += planes ? lit_by * c->lit + (b->count - lit_by) * c->dark : b->count * c->point; /* 2^6 2^20 */
         if (++added % 16 == 0) /* sums of 2^31 and RASTER_LIGHT_LIMIT */
             limit_radiance(b);
     }
     limit_radiance(b);
     stats->samples += b->count;
     stats->shaded += lit;
+    stats->cost += o->flat ? (uint64_t)b->count * c->flat : cost;
     if (m->kind == SCENE_MATERIAL_MEASURED)
         stats->fetches += 8 * lit;
     raster_finish_ambient(b, m, r->frame.output->exposure);
@@ -442,6 +457,7 @@ static void shade_region(struct shading *o, uint32_t x0, uint32_t y0, struct ras
                    least = cell > o->r->sample_shift ? cell - o->r->sample_shift : 0,
                    most = o->r->block_shift > least ? o->r->block_shift : least;
     unsigned shift;
+    stats->cost += costs_of(o->r)->region;
     for (uint32_t z = 0; z < 1u << 2 * RASTER_BLOCK_SHIFT; z += 1u << 2 * shift) {
         uint32_t x = x0, y = y0;
         bool exact = true;
@@ -473,6 +489,7 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
     uint32_t *flat = o->t->m.shading.flat;
     struct raster_block k;
     raster_block_setup(&k, o->r, o->x0, o->y0, x0, y0, RASTER_REGION_SHIFT, true);
+    stats->cost += costs_of(o->r)->region;
     for (int colour = 0; colour < 2; colour++) {
         for (uint32_t y = y0 << shift; y < below << shift; y++)
             for (uint32_t x = x0 << shift; x < right << shift; x++) {

@@ -72,6 +72,19 @@ static void draw_general(struct raster_tile *t, const struct raster_object *o, c
     }
 }
 
+/* By the counts that there are: clipping is not, rows are taken to be of 16 pixels and the triangle's last. */
+static void charge_meshlet(const struct raster *r, const struct scene_meshlet *m, uint32_t visible, uint32_t drawn,
+                           uint32_t tested, struct raster_stats *stats)
+{
+    const struct raster_costs *c = r->frame.costs;
+    if (!c)
+        return;
+    const uint32_t triangle = c->triangle + (visible & VISIBLE_SMALL ? 0 : c->general);
+    stats->cost += c->meshlet + m->vertex_count * c->vertex + m->triangle_count * triangle; /* 2^26 */
+    stats->cost +=
+        (uint64_t)tested * c->tested + (uint64_t)(drawn + tested / 16) * c->row + (uint64_t)drawn * c->facing;
+}
+
 /* In: `visible` as raster_run has it. */
 static void draw_meshlet(const struct raster *r, struct raster_tile *t, const struct raster_object *o, uint32_t visible,
                          uint32_t slot, int32_t centre_x2, int32_t centre_y2, struct raster_stats *stats)
@@ -85,12 +98,14 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     t->slots[slot].memory =
         (uint16_t)((VISIBLE_MESHLET(visible) * 2654435761u + (uint32_t)(o - r->objects) * 1367130551u) >>
                    (32 - RASTER_MEMORY_SHIFT)); /* multiples of the golden section: even */
+    const uint32_t drawn = stats->triangles, tested = stats->tested;
     if (visible & VISIBLE_SMALL) {
         raster_transform_small(t->m.small, o, vertex, m->vertex_count, normal_shift, centre_x2 - 256, centre_y2 - 256);
         raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
     } else {
         draw_general(t, o, m, vertex, triangle, slot, centre_x2, centre_y2, stats);
     }
+    charge_meshlet(r, m, visible, stats->triangles - drawn, stats->tested - tested, stats);
 }
 
 static void start_run(struct raster_tile *t, const struct raster *r, uint32_t id)
@@ -111,7 +126,7 @@ void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_til
     *rect = (struct raster_rect){(uint16_t)(x >> shift), (uint16_t)(y >> shift),
                                  (uint16_t)((right < RASTER_TILE_WIDTH ? right : RASTER_TILE_WIDTH) >> shift),
                                  (uint16_t)((below < RASTER_TILE_HEIGHT ? below : RASTER_TILE_HEIGHT) >> shift)};
-    *stats = (struct raster_stats){0};
+    *stats = (struct raster_stats){.cost = r->frame.costs ? r->frame.costs->tile : 0};
     clear_surface(t);
     t->memory = NULL;
     t->centre_x2 = r->width * 256 - (int32_t)x * 512 + 1;
