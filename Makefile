@@ -171,7 +171,11 @@ tests: $(TEST_C:%.c=$(B)/%)
 $(B)/tests/%: $(B)/san/host/tests/%.o $(B)/san/libreference.a $(LIBS_SAN)
 	@mkdir -p $(@D)
 	$(CC) $(SAN) -o $@ $^ $(LIBS_test)
-# Modules that several fault tests share.
+# Modules that several tests of a kind share.
+BUDGET_C := $(filter-out tests/budget/test_%,$(wildcard tests/budget/*.c))
+$(B)/tests/budget/%: $(B)/san/host/tests/budget/%.o $(BUDGET_C:%.c=$(B)/san/host/%.o) $(B)/san/libreference.a $(LIBS_SAN)
+	@mkdir -p $(@D)
+	$(CC) $(SAN) -o $@ $^ $(LIBS_test)
 FAULT_C := $(filter-out tests/fault/test_%,$(wildcard tests/fault/*.c))
 $(B)/tests/fault/%: $(B)/san/host/tests/fault/%.o $(FAULT_C:%.c=$(B)/san/host/%.o) $(B)/san/libreference.a $(LIBS_SAN)
 	@mkdir -p $(@D)
@@ -203,7 +207,7 @@ VERSION = $(shell grep -oE '[0-9]+[.][0-9]+[.][0-9]+' lut/goniotile_version.h)
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
 PUBLIC_H := $(addprefix lut/,fixed.h func.h goniotile_version.h ktx2.h lut.h rgb9e5.h) raster/quality.h raster/raster.h raster/scene.h hal/hal.h \
-            $(addprefix firmware/,app.h crc32.h protocol.h table_store.h usb_device.h usb_protocol.h)
+            $(addprefix firmware/,app.h budget.h crc32.h protocol.h table_store.h usb_device.h usb_protocol.h)
 MAN := $(DESTDIR)$(PREFIX)/share/man/man1
 .PHONY: man deps-man
 deps-man:

@@ -3,18 +3,10 @@
 #include "content.h"
 #include "messages.h"
 
-/* The modelled cost, in instructions of a Cortex-M4 as a prototype of the rasterizer took them: it orders tiles and
- * repeats exactly; hal.clock tells the truth. */
+/* Culling and binning without a clock: instructions of a Cortex-M7. */
 enum {
-    COST_FRAME = 20000,         /* lights, clearing the bins */
-    COST_VISIBLE_MESHLET = 400, /* culling and binning, the culled ones' share included */
-    COST_TILE = 2000,
-    COST_MESHLET = 1000, /* transform of about 20 vertices */
-    COST_TRIANGLE = 230, /* edge set-up */
-    COST_TESTED = 8,     /* per pixel whose depth is compared */
-    COST_COVERED = 40,   /* normal, tone curve, packing */
-    COST_SHADED = 60,    /* per pixel and light */
-    COST_FETCH = 25,     /* per texel decoded and weighted */
+    TICKS_FRAME = 20000,         /* lights, clearing the bins */
+    TICKS_VISIBLE_MESHLET = 400, /* the culled ones' share included */
 };
 
 static bool config_valid(const struct app_config *c)
@@ -23,7 +15,7 @@ static bool config_valid(const struct app_config *c)
         c->format > RASTER_RGB888 || (c->samples > 1 && c->samples != 4) || c->slot_count < 2 ||
         c->slot_count > USB_MAX_SLOTS)
         return false;
-    if (!c->arena || (uintptr_t)c->arena % 8 != 0 || !c->serial)
+    if (!c->arena || (uintptr_t)c->arena % 8 != 0 || !c->costs || !c->serial)
         return false;
     size_t n = 0;
     while (n <= USB_MAX_SERIAL_CHARS && c->serial[n])
@@ -54,52 +46,67 @@ static uint32_t clock_now(const struct app *app)
     return app->hal->clock ? app->hal->clock(app->hal->ctx) : 0;
 }
 
-enum raster_status app_frame_begin(struct app *app, bool streamed)
+static struct raster_frame frame_of(const struct app *app)
 {
-    struct app_frame *f = &app->frame;
     const struct app_content *c = &app->content;
-    struct raster_frame what = {
+    return (struct raster_frame){
         .scene = &c->scene,
         .camera = &c->camera,
         .output = &c->output,
         .lights = c->lights,
         .materials = c->materials,
         .tables = c->table_of_slot,
+        .costs = app->config.costs,
+        .tile_budget = c->tile_budget,
+        .memory = c->tile_budget ? app->config.memory : NULL,
         .width = app->config.width,
         .height = app->config.height,
         .light_count = c->light_count,
         .format = app->config.format,
         .samples = app->config.samples,
     };
+}
+
+struct table_store_result app_check_budget(struct app *app, uint32_t tile_budget)
+{
+    struct raster *r = &app->frame.raster;
+    struct raster_frame what = frame_of(app);
+    what.tile_budget = tile_budget;
+    if (tile_budget && raster_begin(r, &what, app->config.arena, content_arena_bytes(app)) == RASTER_ERR_BUDGET)
+        return (struct table_store_result){USB_ERR_BUDGET, r->budget_needed};
+    return (struct table_store_result){USB_OK, 0}; /* what else may be wrong, the frame will say */
+}
+
+enum raster_status app_frame_begin(struct app *app, bool streamed)
+{
+    struct app_frame *f = &app->frame;
+    const struct raster_frame what = frame_of(app);
     uint32_t start = clock_now(app);
     enum raster_status status = raster_begin(&f->raster, &what, app->config.arena, content_arena_bytes(app));
     f->refused = status != RASTER_OK;
     if (f->refused)
         return status;
+    budget_begin(&f->budget, app->hal, &f->raster, what.tile_budget);
     f->active = true;
     f->streamed = streamed;
     /* the statistics must hold still while they are being sent */
     f->recorded = !(app->protocol.sending && app->protocol.tail == (const uint8_t *)app->config.tile_stats &&
                     app->protocol.tail_bytes);
     f->next_tile = 0;
+    f->rates = f->samples = 0;
     f->stats = (struct usb_stats){
         .tile_count = raster_tile_count(&f->raster),
         .ticks_are_modelled = !app->hal->clock,
         .begin_ticks =
-            app->hal->clock ? clock_now(app) - start : COST_FRAME + COST_VISIBLE_MESHLET * f->raster.visible_count,
+            app->hal->clock ? clock_now(app) - start : TICKS_FRAME + TICKS_VISIBLE_MESHLET * f->raster.visible_count,
         .meshlets_visible = f->raster.visible_count,
         .arena_used = (uint32_t)f->raster.arena_needed,
+        .tile_budget = what.tile_budget,
+        .least_tile_budget = f->raster.budget_needed,
+        .lod_bias = f->raster.lod_bias,
+        .total.lights = RASTER_ALL_LIGHTS,
     };
     return RASTER_OK;
-}
-
-static uint32_t modelled_ticks(const struct raster_stats *s)
-{
-    uint64_t cost = COST_TILE; /* < 2^41: seven products of 32 and at most 10 bits */
-    cost += (uint64_t)COST_MESHLET * s->meshlets + (uint64_t)COST_TRIANGLE * s->triangles;
-    cost += (uint64_t)COST_TESTED * s->tested + (uint64_t)COST_COVERED * s->covered;
-    cost += (uint64_t)COST_SHADED * s->shaded + (uint64_t)COST_FETCH * s->fetches;
-    return cost < UINT32_MAX ? (uint32_t)cost : UINT32_MAX;
 }
 
 static void stats_add(struct usb_tile_stats *sum, const struct usb_tile_stats *t)
@@ -110,6 +117,47 @@ static void stats_add(struct usb_tile_stats *sum, const struct usb_tile_stats *t
     sum->shaded = fx_add_sat_u(sum->shaded, t->shaded);
     sum->fetches = fx_add_sat_u(sum->fetches, t->fetches);
     sum->ticks = fx_add_sat_u(sum->ticks, t->ticks);
+    sum->budget = fx_add_sat_u(sum->budget, t->budget);
+    sum->predicted = fx_add_sat_u(sum->predicted, t->predicted);
+    sum->error = fx_add_sat_u(sum->error, t->error);
+    sum->coarsest = t->coarsest > sum->coarsest ? t->coarsest : sum->coarsest;
+    sum->lights = t->lights < sum->lights ? t->lights : sum->lights;
+}
+
+/* Sum over count, 8 fraction bits. In: sum <= 5 count, count < 2^24. */
+static uint16_t mean_rate(uint32_t sum, uint32_t count)
+{
+    const unsigned shift = sum >> 24 ? 4 : 0; /* sum < 2^27 */
+    const uint32_t below = count >> shift;
+    return (uint16_t)(below ? ((sum >> shift) << 8) / below : 0);
+}
+
+/* Keeps what a tile took. */
+static void tile_record(struct app *app, uint32_t index, const struct raster_stats *s, const struct budget_report *b)
+{
+    struct app_frame *f = &app->frame;
+    const struct usb_tile_stats t = {
+        .triangles = s->triangles,
+        .tested = s->tested,
+        .covered = s->covered,
+        .shaded = s->shaded,
+        .fetches = s->fetches,
+        .ticks = b->spent,
+        .budget = b->share,
+        .predicted = b->predicted,
+        .error = b->error,
+        .coarsest = b->coarsest,
+        .lights = b->lights,
+        .rate = mean_rate(b->rates, b->pixels),
+    };
+    stats_add(&f->stats.total, &t);
+    f->rates += b->rates;
+    f->samples += b->pixels;
+    f->stats.tiles_reduced += b->coarsest || b->coarse || b->lights != RASTER_ALL_LIGHTS;
+    f->stats.tiles_coarse += b->coarse;
+    f->stats.budget_ticks = fx_add_sat_u(f->stats.budget_ticks, b->own);
+    if (f->recorded && app->config.tile_stats && index < app->config.tile_stats_count)
+        app->config.tile_stats[index] = t;
 }
 
 static void tile_render(struct app *app)
@@ -117,16 +165,13 @@ static void tile_render(struct app *app)
     struct app_frame *f = &app->frame;
     struct raster_rect rect;
     struct raster_stats s;
-    uint32_t index = f->next_tile++, start = clock_now(app);
-    raster_render_tile(&f->raster, index, &f->work, &rect, &s);
-    uint32_t ticks = app->hal->clock ? clock_now(app) - start : modelled_ticks(&s);
-    struct usb_tile_stats t = {s.triangles, s.tested, s.covered, s.shaded, s.fetches, ticks};
-    stats_add(&f->stats.total, &t);
-    app->push_credit += ticks / (APP_PUSH_SHARE * APP_PUSH_COST) + 1; /* < 2^27 */
+    struct budget_report report;
+    uint32_t index = f->next_tile++;
+    budget_render_tile(&f->budget, &report, &f->raster, index, &f->work, &rect, &s);
+    tile_record(app, index, &s, &report);
+    app->push_credit += report.spent / (APP_PUSH_SHARE * APP_PUSH_COST) + 1; /* < 2^27 */
     if (app->push_credit > USB_MAX_DATA)
         app->push_credit = USB_MAX_DATA;
-    if (f->recorded && app->config.tile_stats && index < app->config.tile_stats_count)
-        app->config.tile_stats[index] = t;
     const uint8_t *pixels = raster_tile_pixels(&f->work);
     if (app->hal->display_write)
         app->hal->display_write(app->hal->ctx, rect.x, rect.y, rect.width, rect.height, pixels);
@@ -147,6 +192,7 @@ static void frame_end(struct app *app)
         protocol_done(&app->protocol);
     }
     app->frames++;
+    f->stats.total.rate = mean_rate(f->rates, f->samples);
     if (f->recorded)
         app->stats = f->stats;
     f->active = f->streamed = false;

@@ -5,6 +5,7 @@
 #ifndef FIRMWARE_APP_H
 #define FIRMWARE_APP_H
 
+#include "budget.h"
 #include "hal.h"
 #include "protocol.h"
 #include "raster.h"
@@ -21,6 +22,9 @@ struct app_config {
                                   every bank */
     void *arena;               /* 8-aligned: bins and transforms of a frame, and what the host has set */
     size_t arena_bytes;
+    const struct raster_costs *costs;  /* of the target (hal/costs): what a budget goes by, and ticks without a clock */
+    uint32_t tile_budget;              /* ticks per tile on average until the host sets another; 0: no limit */
+    struct raster_memory *memory;      /* zeroed, or NULL: budgets do not know what the last frame's surfaces showed */
     struct usb_tile_stats *tile_stats; /* one per tile, or NULL: no per-tile statistics */
     uint32_t tile_stats_count;
     const char *serial; /* USB serial number, ASCII, 1 to 31 characters, must outlive the app */
@@ -46,6 +50,7 @@ struct app_content {
     struct scene_camera camera;
     struct scene_output output;
     uint8_t light_count;
+    uint32_t tile_budget;             /* as set, or the configuration's */
     const struct scene_light *lights; /* the scene's own until the host changes one; so are materials */
     const struct scene_material *materials;
     struct scene_material *own; /* copies at the arena's end; then lights, if no more than can be set; or NULL */
@@ -62,7 +67,9 @@ struct app_frame {
     uint32_t next_tile;
     struct raster raster;
     struct raster_tile work;
+    struct budget budget;
     struct usb_stats stats;
+    uint32_t rates, samples; /* of stats.total.rate: the sum, and of how many */
 };
 
 /* Everything the firmware knows; fields are internal. About 31 KB, place it in fast RAM. */
@@ -91,6 +98,9 @@ enum app_status app_init(struct app *app, const struct hal *hal, const struct ap
  * requested frames are rendered.
  */
 void app_poll(struct app *app);
+
+/* For content.c, between two frames: USB_OK, or USB_ERR_BUDGET and the least budget that would do for the present content. */
+struct table_store_result app_check_budget(struct app *app, uint32_t tile_budget);
 
 /* For messages.c. Begins a frame; `streamed`: in answer to the request in hand. */
 enum raster_status app_frame_begin(struct app *app, bool streamed);

@@ -1,31 +1,111 @@
 /*
  * Tile budgets: no tile takes longer than its share, and what is saved is saved where it is seen least.
  *
- * The host sets the mean of a tile's ticks; times the tiles that is the frame's deadline. A tile's share is what it takes at most at the
- * last rung of shading (raster_tile_bound), and of the ticks that are left beyond all these bounds a part in proportion to what it
- * would take at full quality. After visibility, pixels per material are known, and so is what each rate of shading costs: the plan
- * is the assignment of least summed error that is expected to fit. As the expectation may be wrong, every region of the tile is
- * shaded only at rates that fit at their worst, with everything after it at the last rung: the plan may err, the tile is never over.
+ * The host sets the mean of a tile's ticks; times the tiles that is the frame's deadline. What each tile takes at the coarsest levels of
+ * detail and the last rung of shading is known (struct raster_tile_bound), and kept for those to come: a tile that would reach into it is drawn
+ * again so. What is left beyond that is dealt out as tiles are drawn: after visibility, pixels per class of surfaces are known, and so is what each
+ * rate of shading costs. All tiles are to be shaded at the same price of an error in ticks, which the tiles so far tell; the plan is the
+ * assignment of least summed error that is expected to fit. As the expectation may be wrong, every region of the tile is shaded only at rates that
+ * fit at their worst, with everything after it at the last rung: the plan may err, the tile is never over its share, nor the frame.
  *
- * Errors are counted in 1/16 of an 8-bit step of the displayed pixel, summed over pixels.
+ * Errors are squared 8-bit steps of the displayed pixel, summed over pixels and colours.
  */
 #ifndef FIRMWARE_BUDGET_H
 #define FIRMWARE_BUDGET_H
 
+#include "hal.h"
 #include "quality.h"
 
-/* Materials with a choice of their own in a tile; the smaller ones of a tile with more share the last choice. */
-#define BUDGET_CLASSES 8u
+/* What a tile got and took. */
+struct budget_report {
+    uint32_t share;     /* ticks, granted after visibility; 0: no budget */
+    uint32_t spent;     /* ticks */
+    uint32_t predicted; /* ticks, after visibility */
+    uint32_t own;       /* ticks spent on deciding */
+    uint32_t error;     /* predicted, see above */
+    uint32_t pixels;    /* shaded; samples, where there are 4 in a pixel */
+    uint32_t rates;     /* enum raster_rate summed over its pixels */
+    uint8_t coarsest;   /* enum raster_rate */
+    uint8_t lights;     /* as in struct raster_quality */
+    bool coarse;        /* drawn at the coarsest levels of detail */
+};
 
-/* One material in one tile: what every rate of shading is expected to take, and to err. */
+/* One class of a survey: what every rate of shading is expected to take, and to err. */
 struct budget_class {
     uint32_t ticks[RASTER_RATE_COUNT];
     uint32_t error[RASTER_RATE_COUNT];
     uint8_t rate; /* the choice */
 };
 
+/* Of what is drawn of a tile. */
+struct budget_plan {
+    const struct raster *r;
+    const struct raster_survey *survey;
+    uint32_t pixels, shown; /* that wait for shading; classes that have some */
+    struct raster_quality quality;
+    bool last;        /* every meshlet is drawn */
+    uint32_t regular; /* bit for each region: planes hold in it */
+    struct budget_class classes[RASTER_CLASSES];
+    uint64_t materials[RASTER_CLASSES]; /* bit for each */
+    uint32_t first;                     /* bit for each class that has a material before others */
+    uint32_t planes;                    /* of a block under all directional lights, 4 fraction bits */
+    /* From a region on, at most: at the last rung; flat, but for the meshlets' evaluations, and how many these may be. */
+    uint32_t last_rung[RASTER_MAX_REGIONS + 1], flat_ticks[RASTER_MAX_REGIONS + 1], flat_cells[RASTER_MAX_REGIONS + 1];
+    uint32_t flat_each; /* an evaluation's ticks */
+};
+
+/* Prices of a tick, each four times the one before. */
+#define BUDGET_PRICES 12u
+
+/* A running ratio of sums. */
+struct budget_ratio {
+    uint32_t over, under;
+};
+
+/* A frame's; no budget where mean is 0. What was learnt of the frames before remains: begin the first one with all 0. */
+struct budget {
+    const struct hal *hal; /* its clock, or NULL: ticks are modelled */
+    uint32_t mean;         /* ticks per tile */
+    uint64_t left;         /* ticks of the tiles to come */
+    /* Of these, as raster_begin's bounds say: what they need for certain, what drawing and shading them at full quality takes, and
+     * what comes on top. */
+    uint64_t least, drawing, demand, overhead;
+    uint32_t most_least; /* the largest of what one needs for certain */
+    /* What it turned out to be over what bounds said; shading at a price over shading in full. */
+    struct budget_ratio drawing_ratio, demand_ratio, price_ratio[BUDGET_PRICES];
+    uint32_t lit; /* to be expected, of 256 */
+    struct budget_plan plan;
+};
+
+/* Begins a frame. In: *r as raster_begin filled it, with costs; mean as there, or 0. */
+void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean);
+
+/* Renders a tile as raster_render_tile does, within its share. Tiles in any order, each once. */
+void budget_render_tile(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,
+                        struct raster_tile *work, struct raster_rect *rect, struct raster_stats *stats);
+
+/* --- budget_plan.c, for budget.c --- */
+
+/* What waits in the tile, which was surveyed, and what it takes. `last`: every meshlet is drawn. */
+void budget_plan_begin(struct budget_plan *p, const struct budget *b, const struct raster *r,
+                       const struct raster_tile *work, const struct raster_rect *rect, bool last);
+/* Everything from a region on at the last rung, at most. */
+uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region);
+/* Chooses rates and lights that are expected to take at most `ticks`. Returns the ticks expected. */
+uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks);
+/* Coarsens a region's rates until it takes at most `ticks`, or what it takes at the last rung. */
+void budget_region_fit(struct raster_quality *q, const struct budget_plan *p, uint32_t region, uint32_t ticks);
+/* What visiting a region's cells takes, modelled. */
+uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q);
+/* What of a region's shading is left for the end of the tile, in rows, at most. */
+uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q);
+/* --- budget_choose.c --- */
+
+/* What all classes take where each, on its own, weighs its errors against ticks at a price: errors per 2^16 ticks. */
+uint32_t budget_ticks_at_price(const struct budget_class *classes, uint32_t count, uint32_t price);
+
 /*
- * Chooses a rate for each of `count` <= BUDGET_CLASSES classes: all 1x1 where `ticks` allow it, else the least summed error that takes at
+ * Chooses a rate for each of `count` <= RASTER_CLASSES classes: all 1x1 where `ticks` allow it, else the least summed error that takes at
  * most `ticks` in all, else the cheapest. The optimum for up to four classes. Returns the summed error. In: errors do not fall from a rate to
  * the next; sums of ticks, and of errors, are below 2^31.
  */

@@ -114,6 +114,25 @@ static uint32_t ticks_at_price(const struct options *o, uint32_t count, uint32_t
     return sum;
 }
 
+uint32_t budget_ticks_at_price(const struct budget_class *classes, uint32_t count, uint32_t price)
+{
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct budget_class *c = &classes[i];
+        uint64_t least = UINT64_MAX;
+        uint32_t ticks = 0;
+        for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
+            uint64_t cost = ((uint64_t)c->error[rate] << 16) + (uint64_t)c->ticks[rate] * price;
+            if (cost < least) {
+                least = cost;
+                ticks = c->ticks[rate];
+            }
+        }
+        sum = fx_add_sat(sum, ticks);
+    }
+    return sum;
+}
+
 /* More than four classes: all by the lowest price that fits, then the four with most error at stake by search. Returns the ticks that the
  * others take, and sorts these four to the front of *chosen. */
 static uint32_t choose_others(const struct options *chosen[], const struct options *o, uint32_t count, uint32_t ticks)
@@ -157,8 +176,8 @@ static bool choose_full(struct budget_class *classes, uint32_t count, uint32_t t
 
 static void choose_within(struct budget_class *classes, uint32_t count, uint32_t ticks)
 {
-    struct options o[BUDGET_CLASSES];
-    const struct options *chosen[BUDGET_CLASSES];
+    struct options o[RASTER_CLASSES];
+    const struct options *chosen[RASTER_CLASSES];
     uint32_t cheapest = 0;
     for (uint32_t i = 0; i < count; i++) {
         options_find(&o[i], &classes[i]);

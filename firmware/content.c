@@ -18,6 +18,7 @@ void content_reset(struct app *app)
 {
     struct app_content *c = &app->content;
     app->frame.refused = false;
+    c->tile_budget = app->config.tile_budget;
     if (!c->has_scene)
         return;
     const struct scene_header *h = c->scene.header;
@@ -46,6 +47,9 @@ void content_load(struct app *app, uint32_t slot)
         c->has_scene = content && scene_open(&c->scene, content, bytes) == SCENE_OK;
         c->triangle_count = c->has_scene ? triangle_count(&c->scene) : 0;
         content_reset(app);
+        app->frame.budget = (struct budget){0}; /* what it learnt was of another scene */
+        if (app->config.memory)
+            *app->config.memory = (struct raster_memory){{0}};
     } else {
         struct lut_table *table = &c->tables[slot - 1];
         c->table_of_slot[slot - 1] = content && lut_open(table, content, bytes) == LUT_OK ? table : NULL;
@@ -146,6 +150,14 @@ static struct table_store_result set_model(struct app *app, uint32_t model)
     return r;
 }
 
+static struct table_store_result set_budget(struct app *app, uint32_t tile_budget)
+{
+    struct table_store_result r = app_check_budget(app, tile_budget);
+    if (r.status == USB_OK)
+        app->content.tile_budget = tile_budget;
+    return r;
+}
+
 /* Bytes of a setting's value; 0: no such setting. */
 static uint32_t value_bytes(uint32_t setting)
 {
@@ -157,6 +169,7 @@ static uint32_t value_bytes(uint32_t setting)
     case USB_SET_OUTPUT:
         return sizeof(struct scene_output);
     case USB_SET_MODEL:
+    case USB_SET_BUDGET:
         return sizeof(uint32_t);
     default:
         return 0;
@@ -182,6 +195,8 @@ struct table_store_result content_set(struct app *app, uint32_t setting, const v
         return set_light(app, words[0], (const struct scene_light *)(words + 1));
     case USB_SET_OUTPUT:
         return set_output(c, value);
+    case USB_SET_BUDGET:
+        return set_budget(app, words[0]);
     default:
         return set_model(app, words[0]);
     }

@@ -151,6 +151,8 @@ static void frame_serve(struct app *app)
         reply(app, USB_ERR_TABLE, app->frame.raster.bad_material);
     else if (status == RASTER_ERR_ARENA)
         reply(app, USB_ERR_MEMORY, (uint32_t)app->frame.raster.arena_needed);
+    else if (status == RASTER_ERR_BUDGET)
+        reply(app, USB_ERR_BUDGET, app->frame.raster.budget_needed);
     else if (status != RASTER_OK)
         reply(app, USB_ERR_RENDER, (uint32_t)status);
 }

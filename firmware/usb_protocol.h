@@ -1,5 +1,5 @@
 /*
- * Protocol version 2 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md,
+ * Protocol version 3 between host and device, over one bulk OUT and one bulk IN endpoint (SPEC.md,
  * "Protocol").
  *
  * The host sends requests: a 16-byte header and `length` payload bytes. The device answers each request with
@@ -29,7 +29,7 @@
 
 #include <stdint.h>
 
-#define USB_PROTOCOL_VERSION 2u
+#define USB_PROTOCOL_VERSION 3u
 #define USB_PROTOCOL_MAGIC   0x5447u /* "GT" */
 
 #define USB_VENDOR_ID       0x1209u /* pid.codes test id: for development only, not for shipping */
@@ -77,6 +77,7 @@ enum usb_status {
     USB_ERR_TABLE,      /* frame refused: a measured material's slot is empty: detail = material index */
     USB_ERR_MEMORY,     /* frame, SELECT or SET refused: arena too small: detail = bytes needed */
     USB_ERR_DAMAGED, /* the check differs: nothing was done; of DATA detail = expected offset, else the OUT endpoint stalls */
+    USB_ERR_BUDGET, /* set or frame refused: the scene as the camera sees it takes more than the budget: detail = the least */
     USB_STATUS_COUNT
 };
 
@@ -152,7 +153,8 @@ enum usb_setting {
     USB_SET_CAMERA = 1, /* struct scene_camera */
     USB_SET_LIGHT,      /* index (uint32_t) + struct scene_light; index = count adds one; see APP_MAX_SET_LIGHTS */
     USB_SET_OUTPUT,     /* struct scene_output */
-    USB_SET_MODEL       /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
+    USB_SET_MODEL,      /* uint32_t: enum scene_material_kind for all materials, or 0xffffffff: as the scene says */
+    USB_SET_BUDGET      /* uint32_t: ticks per tile on average, 0: no limit */
 };
 
 struct usb_set {
@@ -170,7 +172,14 @@ struct usb_stats_request {
 };
 
 struct usb_tile_stats {
-    uint32_t triangles, tested, covered, shaded, fetches, ticks;
+    uint32_t triangles, tested, covered, shaded, fetches;
+    uint32_t ticks;     /* spent */
+    uint32_t budget;    /* ticks that were its share; 0: no budget, and nothing below is meaningful */
+    uint32_t predicted; /* ticks, after visibility */
+    uint32_t error;     /* predicted: squared 8-bit steps, summed over pixels and colours */
+    uint8_t coarsest;   /* rate of shading, enum raster_rate */
+    uint8_t lights;     /* evaluated at most; 255: all */
+    uint16_t rate;      /* mean over pixels, 8 fraction bits */
 };
 
 struct usb_stats {               /* of the last complete frame; totals over its tiles */
@@ -180,7 +189,13 @@ struct usb_stats {               /* of the last complete frame; totals over its 
     uint32_t begin_ticks;        /* culling and binning */
     uint32_t meshlets_visible;
     uint32_t arena_used;
-    struct usb_tile_stats total;
+    uint32_t tile_budget;        /* as set */
+    uint32_t least_tile_budget;  /* the least that the frame could have had at its levels of detail */
+    uint32_t lod_bias;           /* how often their threshold was doubled, for memory or for the budget */
+    uint32_t tiles_reduced;      /* below full quality */
+    uint32_t tiles_coarse;       /* of them, drawn at the coarsest levels of detail */
+    uint32_t budget_ticks;       /* spent on deciding, part of the tiles' */
+    struct usb_tile_stats total; /* coarsest and fewest of all; the mean over all pixels */
 };
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "structures are copied to and from the bus as they are");
@@ -188,7 +203,7 @@ _Static_assert(sizeof(struct usb_header) == 16, "layout");
 _Static_assert(sizeof(struct usb_slot_info) == 24, "layout");
 _Static_assert(sizeof(struct usb_info) == 76 + 24 * USB_MAX_SLOTS, "layout");
 _Static_assert(sizeof(struct usb_tile) == 12, "layout");
-_Static_assert(sizeof(struct usb_tile_stats) == 24, "layout");
-_Static_assert(sizeof(struct usb_stats) == 48, "layout");
+_Static_assert(sizeof(struct usb_tile_stats) == 40, "layout");
+_Static_assert(sizeof(struct usb_stats) == 88, "layout");
 
 #endif

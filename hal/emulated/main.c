@@ -4,6 +4,7 @@
  */
 #include "app.h"
 #include "board.h"
+#include "costs/cortex_m7.h"
 
 enum { FRAMES = 2, ARENA_BYTES = 64 * 1024, FLASH_BLOCK_BYTES = 4096, PIXEL_BYTES = 3 };
 
@@ -12,6 +13,7 @@ enum { FRAMES = 2, ARENA_BYTES = 64 * 1024, FLASH_BLOCK_BYTES = 4096, PIXEL_BYTE
 static struct app app;
 static uint64_t arena[ARENA_BYTES / 8];
 static struct usb_tile_stats tile_stats[TILES];
+static struct raster_memory memory;
 
 static uint32_t clock_read(void *ctx)
 {
@@ -49,6 +51,8 @@ _Noreturn void board_main(void)
         .scene_bank_bytes = BOARD_SCENE_BANK_BYTES,
         .arena = arena,
         .arena_bytes = sizeof arena,
+        .costs = &costs_cortex_m7,
+        .memory = &memory,
         .tile_stats = tile_stats,
         .tile_stats_count = TILES,
         .serial = "GT-EMULATED",

@@ -6,6 +6,7 @@
  */
 #include "app.h"
 #include "board.h"
+#include "costs/cortex_m7.h"
 #include "image.h"
 #include "oled.h"
 
@@ -50,6 +51,7 @@ _Noreturn void board_main(void)
         .scene_bank_bytes = IMAGE_SCENE_BANK_BYTES,
         .arena = arena,
         .arena_bytes = sizeof arena,
+        .costs = &costs_cortex_m7,
         .serial = "GT-LM3S6965",
     };
     oled_init();

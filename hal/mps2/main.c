@@ -4,6 +4,7 @@
  */
 #include "app.h"
 #include "board.h"
+#include "costs/cortex_m7.h"
 #include "mailbox_usb.h"
 
 enum { ARENA_BYTES = 64 * 1024, FLASH_BLOCK_BYTES = 4096 };
@@ -63,6 +64,7 @@ _Noreturn void board_main(void)
         .scene_bank_bytes = BOARD_SCENE_BANK_BYTES,
         .arena = arena,
         .arena_bytes = sizeof arena,
+        .costs = &costs_cortex_m7,
         .serial = "GT-MPS2-0001",
     };
     if (app_init(&app, &hal, &config) != APP_OK)

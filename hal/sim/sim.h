@@ -23,6 +23,7 @@ struct sim_config {
     uint32_t table_bank_bytes; /* multiples of SIM_FLASH_BLOCK; 0: 1152 KB, the full-size table fits */
     uint32_t scene_bank_bytes; /* 0: 2 MB */
     size_t arena_bytes;        /* 0: 64 KB */
+    uint32_t tile_budget;      /* ticks per tile until the host sets another; 0: no limit */
     const char *serial;        /* NULL: "GT-SIM-0001" */
     const char *flash_file;    /* NULL: none. Flash image: read at creation when it exists, written at destruction */
 };

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "costs/cortex_m7.h"
+
 #define PATIENCE 1000000u /* polls without an answer until the host gives up */
 
 static bool firmware_start(struct sim_device *d)
@@ -33,11 +35,14 @@ struct sim_device *sim_device_create(const struct sim_config *config)
         .scene_bank_bytes = c->scene_bank_bytes,
         .arena = malloc(c->arena_bytes),
         .arena_bytes = c->arena_bytes,
+        .costs = &costs_cortex_m7,
+        .tile_budget = c->tile_budget,
+        .memory = calloc(1, sizeof(struct raster_memory)),
         .tile_stats = calloc(tiles, sizeof(struct usb_tile_stats)),
         .tile_stats_count = tiles,
         .serial = c->serial,
     };
-    if (!d->config.arena || !d->config.tile_stats || !firmware_start(d)) {
+    if (!d->config.arena || !d->config.tile_stats || !d->config.memory || !firmware_start(d)) {
         sim_device_destroy(d);
         return NULL;
     }
@@ -49,6 +54,7 @@ bool sim_device_destroy(struct sim_device *d)
     bool saved = sim_destroy(d->board);
     free(d->config.arena);
     free(d->config.tile_stats);
+    free(d->config.memory);
     free(d);
     return saved;
 }

@@ -10,6 +10,7 @@
  *   [ ] caches are on for flash; memory that DMA reads is clean or not cached
  */
 #include "app.h"
+#include "costs/cortex_m7.h"
 
 #define FLASH_BYTES       (128u * 1024u)
 #define FLASH_BLOCK_BYTES 4096u
@@ -142,7 +143,8 @@ int main(void)
         .slot_count = 2, /* [ ] one for the scene, the others for tables; each takes two banks of flash */
         .arena = arena,
         .arena_bytes = sizeof arena,
-        .serial = "GT-0001", /* [ ] different on every device */
+        .costs = &costs_cortex_m7, /* [ ] the target's own: `make calibrate BOARD=...` writes them */
+        .serial = "GT-0001",       /* [ ] different on every device */
     };
     if (app_init(&app, &hal, &config) != APP_OK)
         return 1; /* [ ] a light, a message: the configuration does not fit the flash */

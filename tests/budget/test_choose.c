@@ -155,8 +155,8 @@ static void enough_ticks_leave_every_rate_full(void **unused)
     (void)unused;
     state = 3;
     for (unsigned n = 0; n < 2000; n++) {
-        struct budget_class c[BUDGET_CLASSES];
-        uint32_t count = 1 + n % BUDGET_CLASSES, ticks = 0;
+        struct budget_class c[RASTER_CLASSES];
+        uint32_t count = 1 + n % RASTER_CLASSES, ticks = 0;
         draw_tile(c, count);
         for (uint32_t i = 0; i < count; i++)
             ticks += c[i].ticks[RASTER_RATE_1X1];
@@ -171,8 +171,8 @@ static void too_few_ticks_choose_the_cheapest_rates(void **unused)
     (void)unused;
     state = 4;
     for (unsigned n = 0; n < 2000; n++) {
-        struct budget_class c[BUDGET_CLASSES];
-        uint32_t count = 1 + n % BUDGET_CLASSES, least = 0;
+        struct budget_class c[RASTER_CLASSES];
+        uint32_t count = 1 + n % RASTER_CLASSES, least = 0;
         draw_numbers(c, count);
         for (uint32_t i = 0; i < count; i++) {
             uint32_t lo = UINT32_MAX;

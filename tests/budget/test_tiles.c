@@ -25,9 +25,9 @@ static const struct {
     {"pixels covered", offsetof(struct usb_tile_stats, covered), 2048, 43600},
     {"pixel-lights shaded", offsetof(struct usb_tile_stats, shaded), 4650, 80000},
     {"texels fetched", offsetof(struct usb_tile_stats, fetches), 37200, 641000},
-    {"modelled ticks", offsetof(struct usb_tile_stats, ticks), 1520000, 28700000},
+    {"modelled ticks", offsetof(struct usb_tile_stats, ticks), 6530000, 131000000},
 };
-static const uint32_t meshlet_limit = 1170, arena_limit = 5500;
+static const uint32_t meshlet_limit = 1170, arena_limit = 8200;
 
 static struct {
     struct usb_stats all;

@@ -93,7 +93,11 @@ static void packet_boundaries_do_not_matter(void **state)
 /* 40 tiles' statistics are 1024 bytes: only a zero-length packet tells the host that the reply is over. */
 static void reply_of_whole_packets_ends_with_an_empty_one(void **state)
 {
-    struct sim_config c = {.slot_count = 2, .table_bank_bytes = FIXTURE_BANK, .scene_bank_bytes = FIXTURE_BANK};
+    struct sim_config c = {.width = 23 * RASTER_TILE_WIDTH, /* 16 + 88 + 23 * 40 bytes */
+                           .height = RASTER_TILE_HEIGHT,
+                           .slot_count = 2,
+                           .table_bank_bytes = FIXTURE_BANK,
+                           .scene_bank_bytes = FIXTURE_BANK};
     (void)state;
     for (int speed = 0; speed < 2; speed++) {
         c.high_speed = speed;
@@ -298,7 +302,7 @@ static void frame_in_flight_keeps_its_table(void **state)
  * up to the total: all are of one frame. */
 static bool statistics_add_up(struct sim_device *d, struct scene_camera next, uint32_t *covered)
 {
-    static uint8_t reply[16 + 48 + 600 * 24 + 64]; /* more than the controller buffers */
+    static uint8_t reply[16 + 88 + 600 * 40 + 64]; /* more than the controller buffers */
     struct usb_header h = {USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, USB_MSG_STATS, 1, 0, 4, 0};
     struct usb_stats stats;
     uint32_t request[5] = {0};
@@ -321,11 +325,11 @@ static bool statistics_add_up(struct sim_device *d, struct scene_camera next, ui
         memcpy(reply + got, packet, n);
     }
     memcpy(&stats, reply + 16, sizeof stats);
-    assert_int_equal(got, 64 + stats.tile_count * 24);
+    assert_int_equal(got, 104 + stats.tile_count * 40);
     *covered = 0;
     for (uint32_t i = 0; i < stats.tile_count; i++) {
         struct usb_tile_stats t;
-        memcpy(&t, reply + 64 + i * sizeof t, sizeof t);
+        memcpy(&t, reply + 104 + i * sizeof t, sizeof t);
         *covered += t.covered;
     }
     return *covered == stats.total.covered;

@@ -252,7 +252,10 @@ static void foreign_headers_are_answered_then_stalled_until_cleared(void **state
     } cases[] = {
         {{0x4754, USB_PROTOCOL_VERSION, USB_MSG_INFO, 7, 0, 0, 0}, USB_ERR_MAGIC, USB_PROTOCOL_MAGIC, 0},
         {{0, 0, 0, 0, 0, 0, 0}, USB_ERR_MAGIC, USB_PROTOCOL_MAGIC, 0},
-        {{USB_PROTOCOL_MAGIC, 3, USB_MSG_INFO, 7, 0, 0, 0}, USB_ERR_VERSION, USB_PROTOCOL_VERSION, 7},
+        {{USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION + 1, USB_MSG_INFO, 7, 0, 0, 0},
+         USB_ERR_VERSION,
+         USB_PROTOCOL_VERSION,
+         7},
         {{USB_PROTOCOL_MAGIC, 0, USB_MSG_INFO, 8, 0, 0, 0}, USB_ERR_VERSION, USB_PROTOCOL_VERSION, 8},
         {{USB_PROTOCOL_MAGIC, USB_PROTOCOL_VERSION, USB_MSG_DATA, 9, 0, USB_MAX_DRAIN + 1, 0},
          USB_ERR_LENGTH,
@@ -477,7 +480,7 @@ static void values_out_of_range_are_refused(void **state)
     select = (struct usb_select){0, 2};
     assert_int_equal(ask(d, USB_MSG_SELECT, &select, sizeof select, NULL), USB_ERR_VALUE);
     assert_int_equal(set(d, 0, zeros, 4), USB_ERR_VALUE);
-    assert_int_equal(set(d, USB_SET_MODEL + 1, zeros, 4), USB_ERR_VALUE);
+    assert_int_equal(set(d, USB_SET_BUDGET + 1, zeros, 4), USB_ERR_VALUE);
     assert_int_equal(set(d, USB_SET_CAMERA, zeros, sizeof(struct scene_camera)), USB_ERR_VALUE);
     assert_int_equal(set(d, USB_SET_CAMERA, zeros, sizeof(struct scene_camera) - 4), USB_ERR_LENGTH);
     assert_int_equal(set(d, USB_SET_LIGHT, zeros, 4 + sizeof(struct scene_light)), USB_ERR_VALUE);

@@ -5,6 +5,7 @@
  */
 #include "app.h"
 #include "board.h"
+#include "costs/cortex_m7.h"
 
 enum { FLASH_BLOCK_BYTES = 4096, SCENE_BANK = 2 * FLASH_BLOCK_BYTES, TABLE_BANK = 512 * FLASH_BLOCK_BYTES };
 
@@ -94,6 +95,7 @@ _Noreturn void board_main(void)
                                       .scene_bank_bytes = SCENE_BANK,
                                       .arena = arena,
                                       .arena_bytes = sizeof arena,
+                                      .costs = &costs_cortex_m7,
                                       .serial = "GT-EMULATED"};
     uint32_t sizes[2];
     __builtin_memcpy(sizes, board_input, sizeof sizes);

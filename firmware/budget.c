@@ -1,0 +1,329 @@
+#include "budget.h"
+
+#define COST_BITS 4
+#define ONE       256u /* of ratios */
+#define PRICE(i)  (1u << (8 + 2 * (i)))
+
+/* Modelled ticks of deciding, where there is no clock: a tile's share, a class's rates, a region's. */
+enum { OWN_TILE = 300, OWN_CLASS = 900, OWN_REGION = 90 };
+
+/* A tile being rendered. */
+struct tile {
+    struct budget *b;
+    const struct raster *r;
+    struct raster_tile *work;
+    const struct raster_rect *rect;
+    struct raster_stats *stats;
+    struct budget_report *report;
+    uint32_t index;
+    uint32_t start;  /* on the clock */
+    uint32_t limit;  /* what later tiles need for certain is behind it */
+    uint32_t survey; /* a survey's ticks and its plan's, at most */
+    bool any;        /* something was drawn since slots were free */
+    uint32_t spare;  /* at the coarsest levels: ticks that are not needed for certain */
+};
+
+static uint32_t elapsed(const struct tile *k)
+{
+    const struct hal *hal = k->b->hal;
+    return hal->clock ? hal->clock(hal->ctx) - k->start : (uint32_t)(k->stats->cost >> COST_BITS) + k->report->own;
+}
+
+static uint32_t ticks_until(const struct tile *k, uint32_t end)
+{
+    const uint32_t now = elapsed(k);
+    return end > now ? end - now : 0;
+}
+
+/* Adds what deciding took since `before`; modelled as `model`. */
+static void decided(struct tile *k, uint32_t before, uint32_t model)
+{
+    k->report->own += k->b->hal->clock ? elapsed(k) - before : model;
+}
+
+/* Ticks that every tile takes besides drawing its list and shading its samples, roughly. */
+static uint32_t overhead(const struct raster *r, uint32_t tile)
+{
+    const struct raster_costs *c = r->frame.costs;
+    const uint32_t shown = r->bounds[tile].shown < RASTER_TILE_PIXELS ? r->bounds[tile].shown : RASTER_TILE_PIXELS;
+    return (c->tile + c->plan + c->survey * RASTER_TILE_PIXELS + c->finished * shown) >> COST_BITS; /* 2^22 2^11 */
+}
+
+void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean)
+{
+    const uint32_t tiles = raster_tile_count(r);
+    b->hal = hal;
+    b->mean = mean;
+    if (!mean)
+        return;
+    b->left = (uint64_t)mean * tiles; /* < 2^50 */
+    b->least = b->drawing = b->demand = b->overhead = b->most_least = 0;
+    for (uint32_t t = 0; t < tiles; t++) {
+        b->least += r->bounds[t].least;
+        b->most_least = r->bounds[t].least > b->most_least ? r->bounds[t].least : b->most_least;
+        b->drawing += r->bounds[t].drawing;
+        b->demand += r->bounds[t].demand;
+        b->overhead += overhead(r, t);
+    }
+    b->lit = b->lit ? b->lit : 192;
+}
+
+/* The tile is no longer one to come. */
+static void take_out(struct tile *k)
+{
+    struct budget *b = k->b;
+    const struct raster_tile_bound *t = &k->r->bounds[k->index];
+    b->least -= t->least;
+    b->drawing -= t->drawing;
+    b->demand -= t->demand;
+    b->overhead -= overhead(k->r, k->index);
+    k->limit = b->left > b->least ? fx_sat31(b->left - b->least) : 0;
+}
+
+/* x times a running ratio; `none`, 8 fraction bits, is its value before anything was learnt. In: x < 2^50. */
+static uint64_t times(uint64_t x, const struct budget_ratio *k, uint32_t none)
+{
+    const uint32_t under = k->under >> 8; /* sums below 2^30 */
+    return (under ? x * (k->over / under) : x * none) >> 8;
+}
+
+/* Adds a tile to it, and forgets a sixteenth. */
+static void learn(struct budget_ratio *k, uint32_t over, uint32_t under)
+{
+    const uint32_t most = 1u << 24;
+    over = over < most ? over : most;
+    under = under < over / 16 ? over / 16 : under < most ? under : most; /* a tile by itself is not to be trusted */
+    k->over += over - k->over / 16;
+    k->under += under - k->under / 16;
+}
+
+/* What a tile has and takes as long as there is nothing to be shaded. */
+static void none_planned(struct tile *k)
+{
+    k->report->share = k->r->bounds[k->index].least;
+    k->report->predicted = elapsed(k) + (k->r->frame.costs->tile >> COST_BITS);
+}
+
+/* --- drawing --- */
+
+/* Back to an empty tile, which the coarsest levels fill for certain. */
+static void fall_back(struct tile *k)
+{
+    const uint32_t left = ticks_until(k, k->limit), least = k->r->bounds[k->index].least;
+    *k->report = (struct budget_report){.lights = RASTER_ALL_LIGHTS, .own = k->report->own, .coarse = true};
+    k->spare = left > least ? left - least : 0;
+    k->any = false;
+    none_planned(k);
+    raster_tile_restart(k->r, k->index, k->work);
+    k->stats->cost += k->r->frame.costs->tile;
+}
+
+/* Draws until no slot is left (false), or no meshlet is: falls back before what is left would no longer do for that. */
+static bool draw(struct tile *k)
+{
+    const struct raster_tile_bound *t = &k->r->bounds[k->index];
+    const uint32_t reserve = fx_add_sat(t->least, k->survey);
+    for (;;) {
+        uint32_t most = UINT32_MAX;
+        if (!k->report->coarse && t->largest) {
+            const uint32_t left = ticks_until(k, k->limit);
+            most = left > reserve ? (left - reserve) / t->largest : 0;
+            if (!most) {
+                fall_back(k);
+                continue;
+            }
+        }
+        const uint32_t before = k->stats->meshlets;
+        const enum raster_drawing drawn = raster_tile_draw(k->r, k->work, most, k->stats);
+        k->any |= k->stats->meshlets != before;
+        if (drawn != RASTER_MORE)
+            return drawn == RASTER_DRAWN;
+    }
+}
+
+/* --- shading --- */
+
+/* Pixels and their errors, at the rates that they got. */
+static void report_region(const struct tile *k, uint32_t region, const struct raster_quality *q)
+{
+    const struct budget_plan *p = &k->b->plan;
+    struct budget_report *out = k->report;
+    for (uint32_t c = 0; c < p->survey->classes; c++) {
+        const uint32_t pixels = p->survey->area[c][region].pixels, all = p->survey->total[c].pixels;
+        const uint8_t rate = q->rate[c];
+        if (!pixels)
+            continue;
+        out->pixels += pixels;
+        out->rates += pixels * rate;
+        out->error = fx_add_sat(out->error, (p->classes[c].error[rate] / all + 1) * pixels * (rate != 0)); /* 2^28 */
+        out->coarsest = rate > out->coarsest ? rate : out->coarsest;
+    }
+}
+
+/* Shades all regions: what they take, and `finish` ticks, end before `end`. */
+static void shade_regions(struct tile *k, uint32_t end, uint32_t finish)
+{
+    struct budget_plan *p = &k->b->plan;
+    uint32_t rows = 0;
+    for (uint32_t i = 0; i < p->survey->regions; i++) {
+        if (p->flat_cells[i] == p->flat_cells[i + 1])
+            continue; /* nothing waits there */
+        const uint32_t before = elapsed(k), after = budget_least_ticks(p, i + 1) + rows + finish;
+        const uint32_t left = end > before ? end - before : 0;
+        struct raster_quality q = p->quality;
+        budget_region_fit(&q, p, i, left > after ? left - after : 0);
+        p->quality.lights = q.lights; /* once fewer, so to the end: to choose them takes ticks */
+        rows += budget_rows_ticks(p, i, &q);
+        report_region(k, i, &q);
+        decided(k, before, OWN_REGION * (p->shown + 1));
+        raster_tile_shade(k->r, k->work, k->rect, i, &q, k->stats);
+        if (!k->b->hal->clock)
+            k->stats->cost += (uint64_t)budget_cells_ticks(p, i, &q) << COST_BITS;
+    }
+    k->report->lights = p->quality.lights < k->report->lights ? p->quality.lights : k->report->lights;
+}
+
+/* At most, of what follows the last region, but for rows. */
+static uint32_t finish_ticks(const struct tile *k)
+{
+    const struct raster_costs *c = k->r->frame.costs;
+    const struct budget_plan *p = &k->b->plan;
+    uint32_t pixels = p->pixels;
+    if (k->stats->meshlets >= RASTER_SLOTS) /* some may have their colour */
+        pixels = RASTER_TILE_PIXELS;
+    return (c->finished * pixels >> COST_BITS) + (c->tile >> COST_BITS) / 2 + 1; /* 2^20 2^11; an empty one's half */
+}
+
+/* What the tiles to come and this one take at a price, or in full: PRICES. The latter's is in *own. */
+static uint64_t need_at(uint32_t *own, struct tile *k, uint32_t full, uint32_t step)
+{
+    struct budget *b = k->b;
+    const uint64_t others = times(b->demand, &b->demand_ratio, ONE);
+    *own = full;
+    if (step == BUDGET_PRICES)
+        return others + full;
+    *own = budget_ticks_at_price(b->plan.classes, b->plan.survey->classes, PRICE(step));
+    learn(&b->price_ratio[step], *own, full);
+    return times(others, &b->price_ratio[step], ONE - step * ONE / (BUDGET_PRICES + 4)) + *own;
+}
+
+/* Ticks for shading what is drawn: at the lowest price at which this and the tiles to come take what is left, or between that and the
+ * next. */
+static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t finish)
+{
+    struct budget *b = k->b;
+    /* A tile is drawn with what its coarsest levels take in reserve: as if one more had to be paid for. */
+    const uint64_t besides =
+        times(b->drawing, &b->drawing_ratio, ONE) + b->overhead + finish + now + (b->drawing ? b->most_least : 0);
+    const uint64_t left = b->left > besides ? b->left - besides : 0;
+    uint32_t own, own_above;
+    uint64_t need, need_above = need_at(&own_above, k, full, BUDGET_PRICES);
+    uint32_t ticks = own_above;
+    bool found = need_above <= left;
+    for (uint32_t step = 0; step < BUDGET_PRICES; step++) { /* all, for they are learnt */
+        need = need_at(&own, k, full, step);
+        if (!found) {
+            found = need <= left;
+            ticks = own;
+            if (found && own_above > own && need_above > need) {
+                uint64_t more = left - need, range = need_above - need;
+                while (range >> 16)
+                    range >>= 1, more >>= 1;
+                ticks += (uint32_t)((uint64_t)(own_above - own) * ((uint32_t)(more << 8) / (uint32_t)range) >> 8);
+            }
+        }
+        need_above = need;
+        own_above = own;
+    }
+    return ticks;
+}
+
+/* Plans and shades what is drawn; `last`: every meshlet is. False: it took too much, the tile is to be drawn again. */
+static bool shade_pass(struct tile *k, bool last)
+{
+    struct budget *b = k->b;
+    struct budget_plan *p = &b->plan;
+    const struct raster_survey *survey = raster_tile_survey(k->r, k->work, k->rect);
+    k->stats->cost += (uint64_t)k->r->frame.costs->survey * RASTER_TILE_PIXELS +
+                      (uint64_t)k->r->frame.costs->light * k->r->frame.light_count;
+    const uint32_t before = elapsed(k), left = ticks_until(k, k->limit);
+    budget_plan_begin(p, b, k->r, k->work, k->rect, last);
+    const uint32_t finish = last ? finish_ticks(k) : 0, least = budget_least_ticks(p, 0);
+    const uint32_t own = OWN_CLASS * (p->shown + 2) + OWN_REGION * (p->shown + 1) * survey->regions;
+    /* What an earlier pass must leave: for the levels wanted as much as it takes to fall back still, then half of what is spare. */
+    const uint32_t reserve = last ? 0 : k->r->bounds[k->index].least, need = least + finish + own;
+    if (!k->report->coarse && left < need + reserve)
+        return false;
+    const uint32_t spare = last ? left : k->report->coarse ? need + k->spare / 2 : need + (left - need - reserve) / 2;
+    uint32_t full = 0, end = before + spare;
+    for (uint32_t i = 0; i < survey->classes; i++)
+        full = fx_add_sat(full, p->classes[i].ticks[RASTER_RATE_1X1]);
+    uint32_t ticks = grant(k, before + own, full, finish);
+    if (ticks < full && spare > need) { /* as much, and some for surprises */
+        const uint32_t wanted = before + own + finish + (ticks > least ? ticks : least) / 8 * 9;
+        end = wanted < end ? wanted : end;
+    }
+    k->report->share = end;
+    k->report->predicted = before + own + finish + budget_plan_choose(p, b, ticks > least ? ticks : least);
+    decided(k, before, OWN_CLASS * p->shown);
+    shade_regions(k, end, finish);
+    const uint32_t used = elapsed(k) - before, more = used > need ? used - need : 0;
+    k->spare -= more < k->spare ? more : k->spare;
+    if (!k->report->coarse && last)
+        learn(&b->demand_ratio, full, k->r->bounds[k->index].demand);
+    return true;
+}
+
+/* Of pixel-lights: rises at once, falls slowly, for what is lit costs more. */
+static uint32_t lit_share(uint32_t old, const struct raster_stats *s)
+{
+    if (!s->tried)
+        return old;
+    const uint32_t now = (s->shaded << 8) / s->tried; /* < 2^18 pixel-lights, 2^20 with 4 samples per pixel */
+    return now > old ? now : old - (old - now) / 4;
+}
+
+static void render(struct tile *k)
+{
+    const struct raster_costs *c = k->r->frame.costs;
+    take_out(k);
+    k->survey = (uint32_t)(((uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * k->r->frame.light_count +
+                            c->plan) >>
+                           COST_BITS) +
+                1;
+    decided(k, 0, OWN_TILE);
+    none_planned(k);
+    for (bool done = false; !done;) {
+        const uint32_t before = elapsed(k);
+        const bool last = draw(k);
+        if (last && !k->report->coarse && k->stats->meshlets < RASTER_SLOTS)
+            learn(&k->b->drawing_ratio, elapsed(k) - before, k->r->bounds[k->index].drawing);
+        if (k->any && !shade_pass(k, last)) {
+            fall_back(k);
+            continue;
+        }
+        k->any = false;
+        done = last;
+        if (!last)
+            raster_tile_free_slots(k->r, k->work, k->rect, k->stats);
+    }
+}
+
+void budget_render_tile(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,
+                        struct raster_tile *work, struct raster_rect *rect, struct raster_stats *stats)
+{
+    struct tile k = {.b = b, .r = r, .work = work, .rect = rect, .stats = stats, .report = report, .index = index};
+    *report = (struct budget_report){.lights = RASTER_ALL_LIGHTS};
+    *stats = (struct raster_stats){0};
+    k.start = b->hal->clock ? b->hal->clock(b->hal->ctx) : 0;
+    if (b->mean) {
+        raster_tile_begin(r, index, work, rect, stats);
+        render(&k);
+        raster_tile_finish(r, work, rect, stats);
+        b->lit = lit_share(b->lit, stats);
+    } else {
+        raster_render_tile(r, index, work, rect, stats);
+    }
+    report->spent = elapsed(&k);
+    b->left -= b->mean && report->spent < b->left ? report->spent : 0;
+}
