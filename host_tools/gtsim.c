@@ -33,6 +33,9 @@ static error_t parse_board(int key, char *arg, struct argp_state *state)
         if (board->samples != 1 && board->samples != 4)
             die(EXIT_USAGE, "--samples: %s per pixel; it is 1 or 4", arg);
         return 0;
+    case 'b':
+        board->tile_budget = (uint32_t)parse_long("--budget", arg, 0, UINT32_MAX);
+        return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
@@ -42,6 +45,7 @@ static const struct argp_option board_options[] = {
     {"size", 's', "WxH", 0, "the picture's size (320x240)", 0},
     {"samples", 'a', "1|4", 0, "coverage samples per pixel (1); 4 smooths edges", 0},
     {"format", 'f', "rgb565|rgb888", 0, "the device's pixels (rgb888)", 0},
+    {"budget", 'b', "TICKS", 0, "mean ticks per tile, as modelled for a Cortex-M7 (0: no limit)", 0},
     {0}};
 const struct argp board_argp = {board_options, parse_board, NULL, NULL, NULL, NULL, NULL};
 

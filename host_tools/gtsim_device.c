@@ -124,6 +124,9 @@ char *device_refusal(const struct sim_device *d, uint32_t status, uint32_t detai
         return xasprintf("the table slot of material %u is empty; give --table SLOT=FILE", detail);
     case USB_ERR_RENDER:
         return xasprintf("cannot be rendered: %s", raster_status_text((enum raster_status)detail));
+    case USB_ERR_BUDGET:
+        return xasprintf("the budget is %u ticks per tile, the scene needs %u; give a larger --budget",
+                         d->app.content.tile_budget, detail);
     case USB_ERR_MEMORY:
         return xasprintf("the frame needs %u bytes of memory, the device has %zu", detail, d->config.arena_bytes);
     default:

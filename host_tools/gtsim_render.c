@@ -13,6 +13,7 @@
 #include <time.h>
 
 #include "gtsim_device.h"
+#include "gtsim_heatmap.h"
 #include "gtsim_tiles.h"
 #include "host_canvas.h"
 #include "host_image.h"
@@ -23,7 +24,7 @@
 struct render {
     struct sim_config board;
     struct device_content content;
-    const char *output;
+    const char *output, *heatmap;
     bool stats, shuffled;
     unsigned threads;
     uint32_t seed;
@@ -39,6 +40,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         return 0;
     case 'o':
         r->output = arg;
+        return 0;
+    case 'h':
+        r->heatmap = arg;
         return 0;
     case 'S':
         r->stats = true;
@@ -58,6 +62,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case ARGP_KEY_END:
         if (!r->content.scene || !r->output)
             die(EXIT_USAGE, "a scene and -o FILE.png are needed; see 'gtsim render --help'");
+        if ((r->board.tile_budget || r->heatmap) && (r->threads > 1 || r->shuffled))
+            die(EXIT_USAGE,
+                "--budget and --heatmap are for one tile after the other; leave out --threads and --shuffle");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -144,6 +151,7 @@ int command_render(int argc, char **argv)
     static const struct argp_option options[] = {
         {"output", 'o', "FILE", 0, "the picture (PNG)", 0},
         {"stats", 'S', NULL, 0, "print what the frame cost, its hash and the time it took on this machine", 0},
+        {"heatmap", 'h', "FILE", 0, "a picture of every tile's ticks, rate of shading and predicted error (PNG)", 0},
         {"threads", 'j', "N", 0, "render tiles on N threads, 1 to 64 (1); the picture is the same", 0},
         {"shuffle", 'r', "SEED", 0, "render tiles in a random order; the picture is the same", 0},
         {0}};
@@ -154,7 +162,9 @@ int command_render(int argc, char **argv)
                                      "Renders a scene (from gtscene) into a picture, on the simulated device."
                                      "\vExamples:\n"
                                      "  $ gtsim render six_models.blob --model lafortune_phong -o quick.png --stats\n"
-                                     "  $ gtsim render oled.blob --table 0=gold.ktx2 --samples 4 -o gold.png",
+                                     "  $ gtsim render oled.blob --table 0=gold.ktx2 --samples 4 -o gold.png\n"
+                                     "  $ gtsim render six_models.blob -m lafortune_phong --budget 300000 -o tight.png "
+                                     "--heatmap heat.png",
                                      children,
                                      NULL,
                                      NULL};
@@ -179,6 +189,8 @@ int command_render(int argc, char **argv)
     if (r.stats)
         printf("frame hash %08x, threads %u, %.1f ms\n", pixels_hash(pixels, bytes), r.threads,
                1e3 * (seconds_now() - start));
+    if (r.heatmap)
+        heatmap_write(r.heatmap, d, &canvas);
     image_write_u8(r.output, canvas.width, canvas.height, 3, canvas.rgb);
     free(pixels);
     canvas_free(&canvas);

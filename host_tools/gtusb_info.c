@@ -1,6 +1,7 @@
 /* `info` and `stats`: what the device is and what its last frame cost. */
 #include "gtusb.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,16 +126,37 @@ static int compare_ticks(const void *a, const void *b)
     return x < y ? -1 : x > y; /* row-major order among equals */
 }
 
+static const char *const rate_names[] = {"1x1", "2x1", "2x2", "4x2", "4x4", "flat"};
+
+static const char *rate_text(unsigned rate)
+{
+    return rate < sizeof rate_names / sizeof *rate_names ? rate_names[rate] : "?";
+}
+
+/* Root mean square of the predicted error, 8-bit steps. */
+static double rms_error(const struct usb_tile_stats *t)
+{
+    return t->covered ? sqrt(t->error / (3.0 * t->covered)) : 0;
+}
+
 static void tile_json(const struct usb_tile_stats *t)
 {
-    printf("\"triangles\": %u, \"tested\": %u, \"covered\": %u, \"shaded\": %u, \"fetches\": %u, \"ticks\": %u}",
+    printf("\"triangles\": %u, \"tested\": %u, \"covered\": %u, \"shaded\": %u, \"fetches\": %u, \"ticks\": %u",
            t->triangles, t->tested, t->covered, t->shaded, t->fetches, t->ticks);
+    if (t->budget)
+        printf(", \"budget\": %u, \"predicted\": %u, \"coarsest\": \"%s\", \"rate\": %.3f, \"lights\": %u, \"error\": "
+               "%.4f",
+               t->budget, t->predicted, rate_text(t->coarsest), t->rate / 256.0, t->lights, rms_error(t));
+    printf("}");
 }
 
 static void tile_text(const char *name, const struct usb_tile_stats *t)
 {
-    printf("%-14s %9u %9u %9u %9u %9u %11u\n", name, t->triangles, t->tested, t->covered, t->shaded, t->fetches,
+    printf("%-14s %9u %9u %9u %9u %9u %11u", name, t->triangles, t->tested, t->covered, t->shaded, t->fetches,
            t->ticks);
+    if (t->budget)
+        printf(" %11u  %-4s %5.2f %6.2f", t->budget, rate_text(t->coarsest), t->rate / 256.0, rms_error(t));
+    printf("\n");
 }
 
 struct stats_view {
@@ -146,9 +168,15 @@ struct stats_view {
 static void stats_json(const struct stats_view *v, bool tiles)
 {
     printf("{\"frames\": %u, \"tile_count\": %u, \"ticks_are_modelled\": %s, \"begin_ticks\": %u, "
-           "\"meshlets_visible\": %u, \"arena_used\": %u,\n \"total\": {",
+           "\"meshlets_visible\": %u, \"arena_used\": %u,\n",
            v->head.frames, v->head.tile_count, v->head.ticks_are_modelled ? "true" : "false", v->head.begin_ticks,
            v->head.meshlets_visible, v->head.arena_used);
+    if (v->head.tile_budget)
+        printf(" \"budget\": {\"tile\": %u, \"least\": %u, \"ticks\": %u, \"tiles_reduced\": %u, \"tiles_coarse\": %u, "
+               "\"lod_bias\": %u},\n",
+               v->head.tile_budget, v->head.least_tile_budget, v->head.budget_ticks, v->head.tiles_reduced,
+               v->head.tiles_coarse, v->head.lod_bias);
+    printf(" \"total\": {");
     tile_json(&v->head.total);
     if (v->count) {
         printf(",\n \"slowest\": {\"tile\": %u, ", v->slowest);
@@ -169,7 +197,11 @@ static void stats_text(const struct stats_view *v, bool tiles)
     printf("frames %u, tiles %u, visible meshlets %u, memory used %u bytes, culling and binning %u ticks%s\n",
            v->head.frames, v->head.tile_count, v->head.meshlets_visible, v->head.arena_used, v->head.begin_ticks,
            v->head.ticks_are_modelled ? " (ticks are modelled)" : "");
-    printf("%-14s %9s %9s %9s %9s %9s %11s\n", "tile", "triangles", "tested", "covered", "shaded", "fetches", "ticks");
+    if (v->head.tile_budget)
+        printf("budget %u ticks a tile, %u at least, %u tiles below full quality, deciding took %u ticks\n",
+               v->head.tile_budget, v->head.least_tile_budget, v->head.tiles_reduced, v->head.budget_ticks);
+    printf("%-14s %9s %9s %9s %9s %9s %11s%s\n", "tile", "triangles", "tested", "covered", "shaded", "fetches", "ticks",
+           v->head.tile_budget ? "      budget  worst  rate  error" : "");
     tile_text("all", &v->head.total);
     if (v->count) {
         snprintf(name, sizeof name, "slowest %u", v->slowest);

@@ -334,12 +334,38 @@ static void set_model(int argc, char **argv)
     set_send(USB_SET_MODEL, &model, sizeof model, "model");
 }
 
+static void set_budget(int argc, char **argv)
+{
+    static const struct argp argp = {
+        NULL,
+        parse_words,
+        "TICKS",
+        "Limits a tile to TICKS of the device's clock on average (0: no limit), until reset: what "
+        "does not fit is shaded at lower rates, where it is seen least. 'gtusb stats' says what "
+        "tiles take and what it cost in error."
+        "\vExamples:\n"
+        "  $ gtusb set budget 400000",
+        device_options,
+        NULL,
+        NULL};
+    const char *words[2] = {NULL, NULL};
+    options_parse(&argp, argc, argv, words);
+    if (!words[0] || words[1])
+        die(EXIT_USAGE, "TICKS are needed; see 'gtusb set budget --help'");
+    uint32_t ticks = (uint32_t)parse_long("TICKS", words[0], 0, UINT32_MAX);
+    set_send(USB_SET_BUDGET, &ticks, sizeof ticks, "budget");
+}
+
 void command_set(int argc, char **argv)
 {
     static const struct {
         const char *name;
         void (*run)(int argc, char **argv);
-    } settings[] = {{"camera", set_camera}, {"light", set_light}, {"output", set_output}, {"model", set_model}};
+    } settings[] = {{"camera", set_camera},
+                    {"light", set_light},
+                    {"output", set_output},
+                    {"model", set_model},
+                    {"budget", set_budget}};
     for (size_t i = 0; argc > 1 && i < sizeof settings / sizeof *settings; i++)
         if (!strcmp(argv[1], settings[i].name)) {
             argv[1] = xasprintf("gtusb set %s", settings[i].name);
@@ -352,14 +378,15 @@ void command_set(int argc, char **argv)
              "  camera   move the camera\n"
              "  light    replace a light, or add one\n"
              "  output   set exposure, tone curve and background\n"
-             "  model    shade every material by one model\n\n"
+             "  model    shade every material by one model\n"
+             "  budget   limit a tile's time\n\n"
              "'gtusb set COMMAND --help' explains one.\n\n"
              "Examples:\n"
              "  $ gtusb set model lafortune_phong\n"
              "  $ gtusb set light 0 --direction 1,1,2 --irradiance 3,3,3");
         return;
     }
-    die(EXIT_USAGE, "no setting '%s'; it is one of camera, light, output, model", argc > 1 ? argv[1] : "");
+    die(EXIT_USAGE, "no setting '%s'; it is one of camera, light, output, model, budget", argc > 1 ? argv[1] : "");
 }
 
 void command_select(int argc, char **argv)

@@ -138,7 +138,7 @@ check rule_file_matches_the_ids grep -q 'ATTR{idVendor}=="1209", ATTR{idProduct}
 
 # --- what a device says ---
 expect info_of_an_empty_device 0 \
-    $'firmware +[0-9.]+, protocol version 2.*\npicture +320 x 240, RGB888, tiles of 64 x 32\nscene +0 objects.*\n0 +empty .*' \
+    $'firmware +[0-9.]+, protocol version 3.*\npicture +320 x 240, RGB888, tiles of 64 x 32\nscene +0 objects.*\n0 +empty .*' \
     '' gtsim run -- gtusb info
 expect info_of_a_loaded_device 0 ".*scene +6 objects, 6 materials, 3 lights, [0-9]+ triangles.*scene +scene +$scene_bytes .*\
 5 +table +$bytes .*6 +table .*7 +empty .*" '' loaded -- gtusb info
@@ -268,8 +268,8 @@ refused light_beyond_the_next 'gtusb: set: .*refused by the device: value out of
     loaded -- gtusb set light 9 --direction 0,1,0 --irradiance 1,1,1
 for c in info list stats "frame -o $work/x.png" "push $scene"; do
     [ "$c" = list ] || refused "wrong_protocol_version_for_${c%% *}" \
-        "gtusb: ${c%% *}: the device speaks protocol version 3, this program version 2; update .*" \
-        gtsim run --protocol-version 3 -- gtusb $c
+        "gtusb: ${c%% *}: the device speaks protocol version 4, this program version 3; update .*" \
+        gtsim run --protocol-version 4 -- gtusb $c
 done
 check refusals_leave_no_output test ! -e "$work/x.png"
 expect frame_into_a_missing_folder 3 '' "gtusb: frame: .*none/x.png.*" loaded -- gtusb frame -o "$work/none/x.png"

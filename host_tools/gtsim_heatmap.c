@@ -1,0 +1,83 @@
+#include "gtsim_heatmap.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "common.h"
+#include "host_image.h"
+
+enum { PANELS = 3, GAP = 6, SCALE = 8 };
+
+/* Dark blue over magenta and orange to light yellow: rising in brightness, told apart without colour vision, too. */
+static void colour_of(uint8_t rgb[3], double x)
+{
+    static const double stops[][3] = {{0, 0, 40}, {90, 20, 130}, {200, 55, 90}, {250, 150, 30}, {255, 255, 180}};
+    x = (x < 0 ? 0 : x > 1 ? 1 : x) * 4;
+    int i = x < 3 ? (int)x : 3;
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (uint8_t)(stops[i][k] + (x - i) * (stops[i + 1][k] - stops[i][k]) + 0.5);
+}
+
+static double value_of(const struct usb_tile_stats *t, int panel)
+{
+    switch (panel) {
+    case 0:
+        return t->ticks;
+    case 1:
+        return t->rate / 256.0;
+    default:
+        return t->covered ? sqrt(t->error / (3.0 * t->covered)) : 0;
+    }
+}
+
+struct heatmap {
+    uint8_t *rgb;
+    unsigned width, height; /* of all panels */
+};
+
+static void pixel_put(const struct heatmap *h, unsigned x, unsigned y, double value, double grey)
+{
+    uint8_t *p = h->rgb + ((size_t)y * h->width + x) * 3;
+    colour_of(p, value);
+    for (int k = 0; k < 3; k++)
+        p[k] = (uint8_t)(p[k] * 0.7 + grey * 0.3);
+}
+
+static void panel_draw(const struct heatmap *h, unsigned x0, const struct sim_device *d, const struct canvas *frame,
+                       int panel, double most)
+{
+    const unsigned shift = d->config.samples == 4, tile_width = RASTER_TILE_WIDTH >> shift,
+                   tile_height = RASTER_TILE_HEIGHT >> shift, columns = (frame->width + tile_width - 1) / tile_width;
+    for (unsigned y = 0; y < frame->height; y++)
+        for (unsigned x = 0; x < frame->width; x++) {
+            const struct usb_tile_stats *t = &d->config.tile_stats[y / tile_height * columns + x / tile_width];
+            const uint8_t *p = frame->rgb + ((size_t)y * frame->width + x) * 3;
+            const bool edge = x % tile_width == 0 || y % tile_height == 0;
+            pixel_put(h, x0 + x, y, value_of(t, panel) / most, edge ? 0 : (p[0] + 2 * p[1] + p[2]) / 4.0);
+        }
+    for (unsigned y = frame->height + GAP; y < h->height; y++)
+        for (unsigned x = 0; x < frame->width; x++)
+            pixel_put(h, x0 + x, y, (double)x / frame->width, 255);
+}
+
+void heatmap_write(const char *path, const struct sim_device *d, const struct canvas *frame)
+{
+    static const char *const names[PANELS] = {"ticks", "rate of shading (5: flat)",
+                                              "predicted error, rms, 8-bit steps"};
+    struct heatmap h = {.width = PANELS * frame->width + (PANELS - 1) * GAP, .height = frame->height + GAP + SCALE};
+    h.rgb = xcalloc((size_t)h.width * h.height, 3);
+    for (int panel = 0; panel < PANELS; panel++) {
+        double most = 0;
+        for (uint32_t i = 0; i < d->app.stats.tile_count; i++) {
+            double value = value_of(&d->config.tile_stats[i], panel);
+            most = value > most ? value : most;
+        }
+        if (panel == 1)
+            most = 5;
+        printf("heatmap %d: %s, bright is %.5g\n", panel + 1, names[panel], most);
+        panel_draw(&h, (unsigned)panel * (frame->width + GAP), d, frame, panel, most > 0 ? most : 1);
+    }
+    image_write_u8(path, (int)h.width, (int)h.height, 3, h.rgb);
+    free(h.rgb);
+}
