@@ -66,6 +66,8 @@ static uint32_t pass_ticks(const struct budget_plan *p, unsigned rate, bool regu
     static const uint8_t cells[RASTER_RATE_COUNT] = {0, 128, 64, 32, 16, 0};
     const struct raster_costs *c = p->r->frame.costs;
     const uint64_t n = regular ? 1 : blocks[rate], visited = rate && !regular ? blocks[rate] : cells[rate];
+    if (rate == RASTER_RATE_FLAT)
+        return (c->flat >> COST_BITS) + 1;
     return (uint32_t)((c->region + n * (p->planes + BLOCK_COST) + visited * c->cell) >> COST_BITS) + 1;
 }
 
@@ -261,7 +263,7 @@ static void sum_last_rungs(struct budget_plan *p)
         p->last_rung[region] = fx_add_sat(p->last_rung[region + 1], last);
         p->flat_ticks[region] =
             p->flat_ticks[region + 1] +
-            (uint32_t)(((uint64_t)costs->copied * pixels + (uint64_t)costs->region * count_bits(materials)) >>
+            (uint32_t)(((uint64_t)costs->copied * pixels + (uint64_t)costs->flat * count_bits(materials)) >>
                        COST_BITS) +
             1;
         p->flat_cells[region] = p->flat_cells[region + 1] + cells;

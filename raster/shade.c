@@ -489,7 +489,7 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
     uint32_t *flat = o->t->m.shading.flat;
     struct raster_block k;
     raster_block_setup(&k, o->r, o->x0, o->y0, x0, y0, RASTER_REGION_SHIFT, true);
-    stats->cost += costs_of(o->r)->region;
+    stats->cost += costs_of(o->r)->flat;
     for (int colour = 0; colour < 2; colour++) {
         for (uint32_t y = y0 << shift; y < below << shift; y++)
             for (uint32_t x = x0 << shift; x < right << shift; x++) {
