@@ -42,12 +42,12 @@ fi
 for model in measured lafortune_phong; do
     quietly "$B/gtsim" render "$B/demo/six_models.blob" ${tables[half_vector]} --model $model --size 640x480 --samples 4 -o "$OUT/1_$model.png"
 done
-awk -F, -v OFS=, 'NR > 1 { print $1 ", " $2, $5 / $4, $6 / $4 }' "$csv" | sed 's/\(.*\), \([0-9x]*\),\(.*\)/"\1, \2",\3/' >"$work/ratios"
+awk -F, -v OFS=, 'NR > 1 { print $1 ", " $2, $5 / $4, $6 / $4 }' "$csv" | sed 's/x86-64 with //; s/ (QEMU)//; s/\(.*\), \([0-9x]*\),\(.*\)/"\1, \2",\3/' >"$work/ratios"
 plot 1_cost 720x420 <<GNUPLOT
 set style data histograms; set style histogram clustered gap 1; set style fill solid 0.8 noborder
-set yrange [0:*]; set xtics rotate by -25 font ',11'; set rmargin 8; set key top left horizontal
+set xtics rotate by -25 font ',11'; set rmargin 10; set key top left horizontal
 set ylabel 'cost over that of Lafortune-Phong'
-set yrange [0:2.6]
+set yrange [0:3.6]
 set arrow from graph 0, first 1.0283 to graph 1, first 1.0283 nohead dt 2 lc rgb '#444444'
 plot '$work/ratios' using 2:xtic(1) lc rgb '#2471a3' title 'half-vector, 64 KB', '' using 3 lc rgb '#d68910' title 'specular frame, 1 MB', \
      1/0 with lines dt 2 lc rgb '#444444' title 'Unity and Unreal (Cezner 2024)'
