@@ -144,6 +144,7 @@ $(B)/board/calibrate-host: tests/board/calibrate/main.c tests/board/host/board.c
 	$(CC) -std=gnu11 -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wall -Wextra -Werror $(CORE_INC) -Ihal/emulated -o $@ $(filter %.c,$^)
 check-built: $(B)/board/calibrate-host $(foreach t,cortex-m3 cortex-m7 cortex-m33 rv32imac,$(B)/board/$(t)/calibrate.elf) \
     $(B)/board/gold_91x46.ktx2
+bench-built: $(foreach t,$(BUDGET_BOARDS),$(B)/board/$(t)/calibrate.elf) $(B)/bench/calibrate $(B)/demo/six_models.blob $(B)/demo/gold.ktx2 $(B)/board/gold_91x46.ktx2
 calibrate-built: $(B)/board/$(BOARD)/calibrate.elf $(B)/bench/calibrate $(B)/demo/six_models.blob $(B)/demo/gold.ktx2 $(B)/board/gold_91x46.ktx2
 	@B=$(B) tests/board/calibrate.sh $(BOARD) hal/costs/$(subst -,_,$(BOARD)).h
 

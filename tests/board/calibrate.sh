@@ -11,5 +11,5 @@ tests/board/input.sh "$input" 0 "$B/demo/six_models.blob" "$B/demo/gold.ktx2" "$
 mkdir -p "$(dirname "$out")"
 LIMIT=600 tests/board/run.sh "$target" "$B/board/$target/calibrate.elf" "$input" >"$B/board/$target/calibrate.txt"
 "$B/bench/calibrate" "$target" "$B/board/$target/calibrate.txt" >"$out.new"
-clang-format-14 -i --style=file "$out.new" 2>/dev/null || true
+clang-format-14 -i --style=file:.clang-format "$out.new" 2>/dev/null || true
 mv "$out.new" "$out"
