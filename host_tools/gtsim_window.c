@@ -13,6 +13,7 @@
 
 #include "gtsim.h"
 #include "gtsim_device.h"
+#include "gtsim_heatmap.h"
 #include "gtsim_run.h"
 #include "gtsim_window_draw.h"
 #include "gtsim_window_frame.h"
@@ -35,7 +36,9 @@
     "  e, E          longer, shorter exposure, by a third of a stop\n"                                                 \
     "  1 to 9        light on or off\n"                                                                                \
     "  l, L          turn all lights by 15 degrees to the right, left\n"                                               \
-    "  c             what each tile cost: blue nothing, red as the dearest\n"                                          \
+    "  b, B          smaller, larger budget of ticks per tile; the largest is no limit\n"                              \
+    "  c             lays over the picture what each tile took: ticks, rate of shading,\n"                             \
+    "                predicted error, nothing; dark blue is 0\n"                                                       \
     "  p             write the picture to the next free gtsim-NNNN.png\n"                                              \
     "  r             forget what was set\n"                                                                            \
     "  h             print the keys\n"                                                                                 \
@@ -50,7 +53,8 @@ struct window {
     struct view view;
     struct screen screen;
     struct frame frame;
-    bool costs, changed, redraw, quit;
+    int panel; /* of what tiles took, laid over the picture; -1: none */
+    bool changed, redraw, quit;
 };
 
 /* Asks for a frame if there may be a new one. */
@@ -65,35 +69,65 @@ static void window_update(struct window *w)
 
 /* --- what the window shows --- */
 
-static uint32_t dearest(const struct window *w)
+/* `grey`: so that colours on it keep their meaning. */
+static uint8_t *picture_copy(const struct canvas *c, bool grey)
 {
-    uint32_t most = 0;
-    for (uint32_t i = 0; i < w->frame.stats.tile_count; i++)
-        most = w->frame.ticks[i] > most ? w->frame.ticks[i] : most;
-    return most;
+    size_t bytes = 3 * (size_t)c->width * c->height;
+    uint8_t *rgb = memcpy(xmalloc(bytes), c->rgb, bytes);
+    for (size_t i = 0; grey && i < bytes; i += 3)
+        memset(rgb + i, (rgb[i] + 2 * rgb[i + 1] + rgb[i + 2]) / 4, 3);
+    return rgb;
+}
+
+static void picture_draw(struct window *w)
+{
+    const struct frame *f = &w->frame;
+    const int scale = w->bus.board.samples == 4 ? 2 : 1; /* a tile is one of samples */
+    const uint32_t count = w->panel >= 0 ? f->stats.tile_count : 0;
+    uint8_t *rgb = xmalloc(3 * count);
+    struct tile_colours tiles = {rgb, 0, 0, RASTER_TILE_WIDTH / scale, RASTER_TILE_HEIGHT / scale};
+    tiles.across = (f->canvas.width + tiles.width - 1) / tiles.width;
+    tiles.down = (f->canvas.height + tiles.height - 1) / tiles.height;
+    for (uint32_t i = 0; i < count; i++)
+        heatmap_colour(rgb + 3 * i, heatmap_value(&f->tiles[i], w->panel) / heatmap_most(f->tiles, count, w->panel));
+    uint8_t *picture = picture_copy(&f->canvas, count > 0);
+    screen_draw(&w->screen, picture, f->refusal, count ? &tiles : NULL);
+    free(picture);
+    free(rgb);
+}
+
+static void title_show(struct window *w)
+{
+    const struct frame *f = &w->frame;
+    char *title, *state = view_text(&w->view);
+    size_t bytes;
+    FILE *out = open_memstream(&title, &bytes);
+    if (!out)
+        die(EXIT_INTERNAL, "out of memory");
+    fprintf(out, "gtsim | %s", state);
+    if (f->refusal) {
+        fprintf(out, " | %s", f->refusal);
+    } else {
+        fprintf(out, " | %.1f M ticks, dearest tile %.3f M", 1e-6 * f->stats.total.ticks,
+                1e-6 * heatmap_most(f->tiles, f->stats.tile_count, HEATMAP_TICKS));
+        if (f->stats.tile_budget)
+            fprintf(out, ", budget %.3f M: %u of %u tiles reduced", 1e-6 * f->stats.tile_budget, f->stats.tiles_reduced,
+                    f->stats.tile_count);
+        fprintf(out, " | %.1f ms, %.0f fps", 1e3 * f->seconds, 1 / f->seconds);
+        if (w->panel >= 0)
+            fprintf(out, " | %s, bright is %.4g", heatmap_name(w->panel),
+                    heatmap_most(f->tiles, f->stats.tile_count, w->panel));
+    }
+    fclose(out);
+    screen_title(&w->screen, title);
+    free(title);
+    free(state);
 }
 
 static void window_draw(struct window *w)
 {
-    int scale = w->bus.board.samples == 4 ? 2 : 1; /* a tile is one of samples */
-    struct tile_costs costs = {.ticks = w->frame.ticks,
-                               .width = RASTER_TILE_WIDTH / scale,
-                               .height = RASTER_TILE_HEIGHT / scale,
-                               .full = dearest(w)};
-    costs.across = (w->frame.canvas.width + costs.width - 1) / costs.width;
-    costs.down = (w->frame.canvas.height + costs.height - 1) / costs.height;
-    screen_draw(&w->screen, w->frame.canvas.rgb, w->frame.refusal,
-                w->costs && w->frame.stats.tile_count ? &costs : NULL);
-    char *state = view_text(&w->view), *title;
-    if (w->frame.refusal)
-        title = xasprintf("gtsim | %s | %s", state, w->frame.refusal);
-    else
-        title = xasprintf("gtsim | %s | %.1f M ticks, dearest tile %.3f M | %.1f ms, %.0f fps", state,
-                          1e-6 * w->frame.stats.total.ticks, 1e-6 * costs.full, 1e3 * w->frame.seconds,
-                          1 / w->frame.seconds);
-    screen_title(&w->screen, title);
-    free(title);
-    free(state);
+    picture_draw(w);
+    title_show(w);
 }
 
 /* --- keys and mouse --- */
@@ -126,6 +160,10 @@ static void key_of_device(struct window *w, SDL_Keycode key, int by)
     case SDLK_e:
         view_exposure(&w->view, by);
         break;
+    case SDLK_b:
+        window_update(w); /* goes by what tiles take now */
+        view_budget(&w->view, -by, &w->frame.stats);
+        break;
     case SDLK_l:
         view_turn_lights(&w->view, by * LIGHT_STEP);
         break;
@@ -145,7 +183,7 @@ static void key_of_window(struct window *w, SDL_Keycode key)
 {
     switch (key) {
     case SDLK_c:
-        w->costs = !w->costs;
+        w->panel = w->panel + 1 < HEATMAP_PANELS ? w->panel + 1 : -1;
         w->redraw = true;
         break;
     case SDLK_p:
@@ -279,7 +317,8 @@ int command_window(int argc, char **argv)
         children,
         NULL,
         NULL};
-    struct window w = {.bus = bus_default(), .content.model = MODEL_OF_SCENE, .screenshots = ".", .changed = true};
+    struct window w = {
+        .bus = bus_default(), .content.model = MODEL_OF_SCENE, .screenshots = ".", .panel = -1, .changed = true};
     int first;
     w.bus.board.arena_bytes = DEVICE_ARENA_BYTES;
     options_parse(&argp, ARGP_IN_ORDER, argc, argv, &first, &w);

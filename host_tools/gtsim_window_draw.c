@@ -5,7 +5,7 @@
 
 #include "common.h"
 
-#define HEAT_ALPHA 144 /* of 255: the picture stays visible below */
+#define TILE_ALPHA 178 /* of 255: the picture stays visible below */
 #define STALE      80  /* of 255 */
 
 static _Noreturn void sdl_die(const char *what)
@@ -53,37 +53,24 @@ void screen_close(struct screen *w)
     SDL_Quit();
 }
 
-/* Blue, cyan, green, yellow, red for 0 to 1. */
-static uint32_t heat_colour(const SDL_PixelFormat *format, double heat)
-{
-    double c[3];
-    for (int i = 0; i < 3; i++) {
-        double x = 1.5 - SDL_fabs(4 * heat - (3 - i));
-        c[i] = 255 * SDL_clamp(x, 0, 1);
-    }
-    return SDL_MapRGBA(format, (uint8_t)c[0], (uint8_t)c[1], (uint8_t)c[2], HEAT_ALPHA);
-}
-
 /* One pixel per tile, enlarged onto the picture. */
-static void draw_costs(SDL_Surface *frame, const struct tile_costs *costs)
+static void draw_tiles(SDL_Surface *frame, const struct tile_colours *tiles)
 {
-    SDL_Surface *heat = SDL_CreateRGBSurfaceWithFormat(0, costs->across, costs->down, 32, SDL_PIXELFORMAT_ARGB8888);
-    SDL_Rect to = {0, 0, costs->across * costs->width, costs->down * costs->height};
-    if (!heat)
+    SDL_Surface *colours = SDL_CreateRGBSurfaceWithFormat(0, tiles->across, tiles->down, 32, SDL_PIXELFORMAT_ARGB8888);
+    SDL_Rect to = {0, 0, tiles->across * tiles->width, tiles->down * tiles->height};
+    if (!colours)
         sdl_die("overlay");
-    for (int y = 0; y < costs->down; y++)
-        for (int x = 0; x < costs->across; x++) {
-            uint32_t ticks = costs->ticks[y * costs->across + x];
-            double share = costs->full ? (double)ticks / costs->full : 0;
-            SDL_Rect tile = {x, y, 1, 1};
-            SDL_FillRect(heat, &tile, heat_colour(heat->format, share < 1 ? share : 1));
-        }
-    if (SDL_BlitScaled(heat, NULL, frame, &to))
+    for (int i = 0; i < tiles->across * tiles->down; i++) {
+        const uint8_t *c = tiles->rgb + 3 * i;
+        SDL_Rect tile = {i % tiles->across, i / tiles->across, 1, 1};
+        SDL_FillRect(colours, &tile, SDL_MapRGBA(colours->format, c[0], c[1], c[2], TILE_ALPHA));
+    }
+    if (SDL_BlitScaled(colours, NULL, frame, &to))
         sdl_die("overlay");
-    SDL_FreeSurface(heat);
+    SDL_FreeSurface(colours);
 }
 
-void screen_draw(struct screen *w, const uint8_t *rgb, bool stale, const struct tile_costs *costs)
+void screen_draw(struct screen *w, const uint8_t *rgb, bool stale, const struct tile_colours *tiles)
 {
     SDL_Surface *frame = w->frame,
                 *surface = SDL_GetWindowSurface(w->window); /* anew: the window may have another size */
@@ -96,8 +83,8 @@ void screen_draw(struct screen *w, const uint8_t *rgb, bool stale, const struct 
     if (SDL_BlitSurface(picture, NULL, frame, NULL))
         sdl_die("window");
     SDL_FreeSurface(picture);
-    if (costs)
-        draw_costs(frame, costs);
+    if (tiles)
+        draw_tiles(frame, tiles);
     int across = surface->w / frame->w, down = surface->h / frame->h;
     w->zoom = SDL_max(1, SDL_min(across, down));
     SDL_Rect to = {(surface->w - frame->w * w->zoom) / 2, (surface->h - frame->h * w->zoom) / 2, frame->w * w->zoom,

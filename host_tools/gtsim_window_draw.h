@@ -1,4 +1,4 @@
-/* The window itself: a picture at integer zoom in the middle, and over it, if wanted, what each tile cost. */
+/* The window itself: a picture at integer zoom in the middle, and over it, if wanted, a colour for each tile. */
 #ifndef HOST_TOOLS_GTSIM_WINDOW_DRAW_H
 #define HOST_TOOLS_GTSIM_WINDOW_DRAW_H
 
@@ -15,12 +15,11 @@ struct screen {
     int zoom;           /* window pixels per pixel, as drawn last */
 };
 
-/* The cost of tiles that cover a picture row by row. */
-struct tile_costs {
-    const uint32_t *ticks; /* of `across` * `down` tiles */
+/* A colour for each of the tiles that cover a picture row by row. */
+struct tile_colours {
+    const uint8_t *rgb; /* of `across` * `down` tiles */
     int across, down;
     int width, height; /* of a tile, picture pixels; those at the right and bottom edge may stick out */
-    uint32_t full;     /* ticks of the hottest colour */
 };
 
 /* zoom 0: the largest at which the window takes three quarters of the screen. Dies with EXIT_INTERNAL when there is no screen. */
@@ -28,8 +27,8 @@ void screen_open(struct screen *w, int width, int height, int zoom);
 /* Once more does nothing. */
 void screen_close(struct screen *w);
 
-/* rgb: width * height * 3 bytes. `stale`: darker, since it is not what the device would show. costs: NULL for no overlay. */
-void screen_draw(struct screen *w, const uint8_t *rgb, bool stale, const struct tile_costs *costs);
+/* rgb: width * height * 3 bytes. `stale`: darker, since it is not what the device would show. tiles: laid over it, or NULL. */
+void screen_draw(struct screen *w, const uint8_t *rgb, bool stale, const struct tile_colours *tiles);
 
 void screen_title(struct screen *w, const char *text);
 

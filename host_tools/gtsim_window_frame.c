@@ -14,14 +14,14 @@ void frame_init(struct frame *f)
 {
     const struct sim_config *board = sim_configuration(f->device->board);
     canvas_init(&f->canvas, board->width, board->height, board->format);
-    f->ticks = xcalloc(f->device->config.tile_stats_count, sizeof *f->ticks);
+    f->tiles = xcalloc(f->device->config.tile_stats_count, sizeof *f->tiles);
 }
 
 void frame_free(struct frame *f)
 {
     canvas_free(&f->canvas);
     free(f->refusal);
-    free(f->ticks);
+    free(f->tiles);
 }
 
 static double seconds_now(void)
@@ -52,8 +52,7 @@ static void stats_fetch(struct frame *f)
     if (!sim_device_request(d, USB_MSG_STATS, &want, sizeof want, &h, reply, bytes) || h.status != USB_OK)
         die(EXIT_INTERNAL, "the simulated device has no statistics");
     f->stats = reply->head;
-    for (uint32_t i = 0; i < reply->head.tile_count; i++)
-        f->ticks[i] = reply->tiles[i].ticks;
+    memcpy(f->tiles, reply->tiles, reply->head.tile_count * sizeof *f->tiles);
     free(reply);
 }
 

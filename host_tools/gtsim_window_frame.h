@@ -12,7 +12,7 @@ struct frame {
     char *refusal;        /* why the device has refused another since, or NULL */
     double seconds;       /* that it took here */
     struct usb_stats stats;
-    uint32_t *ticks; /* of its stats.tile_count tiles */
+    struct usb_tile_stats *tiles; /* stats.tile_count of them */
     unsigned recorded;
 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "gtsim_device.h"
 #include "gtsim_window_eye.h"
 #include "host_model.h"
 
@@ -18,13 +19,21 @@ static const struct app_content *shown(const struct view *v)
     return &v->device->app.content;
 }
 
-static void request(struct view *v, uint8_t type, const void *payload, uint32_t bytes, const char *what)
+static struct usb_header ask(struct view *v, uint8_t type, const void *payload, uint32_t bytes)
 {
     struct usb_header h;
     if (!sim_device_request(v->device, type, payload, bytes, &h, NULL, 0))
-        die(EXIT_INTERNAL, "%s: the simulated device does not answer", what);
-    if (h.status != USB_OK)
-        warn("%s: refused by the device: status %u, detail %u", what, h.status, h.detail);
+        die(EXIT_INTERNAL, "the simulated device does not answer");
+    return h;
+}
+
+static void request(struct view *v, uint8_t type, const void *payload, uint32_t bytes, const char *what)
+{
+    struct usb_header h = ask(v, type, payload, bytes);
+    char *why = device_refusal(v->device, h.status, h.detail);
+    if (why)
+        warn("%s: %s", what, why);
+    free(why);
 }
 
 static void set(struct view *v, uint32_t setting, const void *value, size_t bytes, const char *what)
@@ -207,6 +216,22 @@ void view_turn_lights(struct view *v, double degrees)
             light.direction[i] = (int32_t)lrint(point ? ldexp(to[i] + middle[i], 16) : ldexp(to[i], 30));
         light_set(v, l, &light);
     }
+}
+
+/* --- budget --- */
+
+void view_budget(struct view *v, int by, const struct usb_stats *stats)
+{
+    const uint32_t now = shown(v)->tile_budget, mean = stats->tile_count ? stats->total.ticks / stats->tile_count : 0;
+    if (!shown(v)->has_scene || (by > 0 && !now))
+        return;
+    uint32_t next = by < 0 ? (now ? now : mean) / 5 * 4 : stats->tiles_reduced ? now / 4 * 5 : 0;
+    uint32_t payload[2] = {USB_SET_BUDGET, next};
+    struct usb_header h = ask(v, USB_MSG_SET, payload, sizeof payload);
+    if (h.status == USB_ERR_BUDGET)
+        next = h.detail;
+    if (h.status != USB_OK)
+        set(v, USB_SET_BUDGET, &next, sizeof next, "budget");
 }
 
 void view_reset(struct view *v)

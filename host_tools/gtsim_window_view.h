@@ -31,6 +31,9 @@ void view_exposure(struct view *v, int by);
 /* Switches light `index` off or on again, if there is one; turns all lights about the vertical through the scene, degrees. */
 void view_light(struct view *v, uint32_t index);
 void view_turn_lights(struct view *v, double degrees);
+/* A fifth less of the ticks that a tile gets on average, or a fourth more. In: those that tiles take now. From no limit, less is less than they take; so much that
+ * it limits nothing becomes no limit, and less than the scene needs becomes what it needs. */
+void view_budget(struct view *v, int by, const struct usb_stats *stats);
 void view_reset(struct view *v);
 
 /* The state in a line, malloc'd: "2 gold: measured, slot 2 | exposure 1.00 | lights 1 2 3". */

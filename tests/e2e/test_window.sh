@@ -164,15 +164,24 @@ tile_pixel() { # tile: middle of it on the screen, "R G B"
     node tests/e2e/read_image.mjs "$work/Xvfb_screen0" $((X + $1 % 5 * 128 + 34)),$((Y + $1 / 5 * 64 + 16))
 }
 costs() {
-    press r && picture plain && on_screen plain 2 && press c && shows plain || return 1
+    press r && picture plain && on_screen plain 2 && press c && title '\| ticks, bright is ' && shows plain || return 1
     inside 'gtusb stats --json --tiles >"$work/stats.json"' || return 1
     read -r dear cheap < <(node -e "const t = JSON.parse(require('fs').readFileSync('$work/stats.json')).tiles.map(t => t.ticks);
         console.log(t.indexOf(Math.max(...t)), t.indexOf(Math.min(...t)))")
-    red() { read -r r g b < <(tile_pixel $dear); read -r r2 g2 b2 < <(tile_pixel $cheap); [ $r -gt $((b + 50)) ] && [ $b2 -gt $((r2 + 50)) ]; }
-    until_true red || { echo "tile $dear: $r $g $b, tile $cheap: $r2 $g2 $b2"; return 1; }
-    press c && on_screen plain 2
+    coloured() { read -r r g b < <(tile_pixel $dear); read -r r2 g2 b2 < <(tile_pixel $cheap); [ $r -gt 160 ] && [ $b2 -gt $r2 ] && [ $r2 -lt 60 ]; }
+    until_true coloured || { echo "tile $dear: $r $g $b, tile $cheap: $r2 $g2 $b2"; return 1; }
+    press c && title 'rate of shading' && press c && title 'predicted error' && press c && title 'fps$' && on_screen plain 2
 }
-check c_shows_the_dearest_tile_red_and_the_cheapest_blue costs
+check c_colours_tiles_by_what_they_took costs
+budget() { # what b sets is what the host reads, down to the least; B takes it back
+    press r b && title ', budget 0\.[0-9]+ M: [1-9][0-9]* of 40 tiles reduced' && picture reduced && differ reduced plain || return 1
+    inside 'gtusb stats --json >"$work/stats.json"' || return 1
+    local set=$(node -p "(JSON.parse(require('fs').readFileSync('$work/stats.json')).budget.tile / 1e6).toFixed(3)")
+    title "budget ${set/./[.]} M" && press $(yes b | head -20) && picture least && title ' of 40 tiles reduced' || return 1
+    xdotool getwindowname "$id" >"$work/least" && press b && picture again && [ "$(grep -o 'budget [0-9.]*' "$work/least")" = "$(xdotool getwindowname "$id" | grep -o 'budget [0-9.]*')" ] &&
+        press $(yes B | head -20) && title 'M ticks, dearest tile [0-9.]+ M \|' && shows plain
+}
+check b_sets_a_budget budget
 
 # --- the program's side ---
 live_push() { # while the window goes on
@@ -212,6 +221,12 @@ empty() {
 check empty_device_waits_for_a_scene empty
 
 # --- other boards; a program that dies; other ends ---
+budgeted() {
+    local least=$(render --budget 1 -o "$work/none.png" 2>&1 | grep -oE 'needs [0-9]+' | cut -d ' ' -f 2)
+    render --budget $((least * 9 / 8)) -o "$work/budget.png" && differ budget measured && window_open "$scene" "${tables[@]}" --budget $((least * 9 / 8)) &&
+        title 'budget 0\.[0-9]+ M: [1-9]' && shows budget && window_close 0
+}
+check budget_of_the_board_is_renders budgeted
 smooth() {
     gtsim render "$scene" "${tables[@]}" --size 101x67 --samples 4 --format rgb565 -o "$work/smooth.png" &&
         window_open "$scene" "${tables[@]}" --size 101x67 --samples 4 --format rgb565 --zoom 3 --full-speed &&
