@@ -1,6 +1,6 @@
 /*
  * Pushes of random sizes with random faults, one after the other, while the device renders for its display: nothing is lost, nothing leaks,
- * and uploads never take more of the tiles' time than is theirs. 10,000 with GONIOTILE_LONG set, else 200.
+ * uploads never take more of the tiles' time than is theirs, and no tile takes more than its budget. 10,000 with GONIOTILE_LONG set, else 200.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -49,6 +49,7 @@ struct account {
 static struct lab *lab;
 static struct account account;
 static unsigned resumed;                                       /* pushes, after a loss of power */
+static unsigned budgeted, reduced;                             /* tiles with a budget; below full quality */
 static enum { INTACT, DATA_WRONG, HEADER_WRONG } next_message; /* one bit of it, on its way */
 static struct table slots[LAB_SLOTS];                          /* what is live in the table slots */
 
@@ -57,6 +58,17 @@ static bool holds(uint32_t slot, const struct table *t)
     uint32_t bytes;
     const uint8_t *found = table_store_content(&lab->device->app.store, slot, &bytes);
     return found && bytes == t->bytes && memcmp(found, t->data, bytes) == 0;
+}
+
+/* Of the frame that has just ended. */
+static void check_tiles(const struct app *app)
+{
+    for (uint32_t i = 0; i < app->stats.tile_count; i++) {
+        const struct usb_tile_stats *t = &app->config.tile_stats[i];
+        assert_true(!t->budget || t->ticks <= t->budget);
+        budgeted += t->budget != 0;
+    }
+    reduced += app->stats.tiles_reduced;
 }
 
 /* Runs the firmware for a while and keeps the account: the bytes served cost no more than one part in APP_PUSH_SHARE of the tiles,
@@ -71,6 +83,8 @@ static void account_steps(unsigned count)
         if (app->frame.active && app->frame.stats.total.ticks > ticks)
             account.ticks += app->frame.stats.total.ticks - ticks;
         account.frames += app->frames - frames;
+        if (app->frames != frames)
+            check_tiles(app);
         if (app->store.upload.received > received) {
             assert_true(app->store.upload.received - received <= USB_MAX_DATA);
             account.served += app->store.upload.received - received;
@@ -226,6 +240,17 @@ static void push_with_fault(uint32_t slot, struct table *t, unsigned fault)
     }
 }
 
+/* Between the least that the scene needs and twice that. */
+static void set_budget(void)
+{
+    uint32_t set[2] = {USB_SET_BUDGET, 1};
+    assert_false(ask(USB_MSG_SET, set, sizeof set, NULL, 0));
+    const uint32_t least = lab->device->app.frame.raster.budget_needed;
+    assert_true(least > 1);
+    set[1] = least + random32() % least;
+    assert_true(ask(USB_MSG_SET, set, sizeof set, NULL, 0));
+}
+
 static void pushes_with_faults_while_rendering_lose_nothing(void **state)
 {
     unsigned count = getenv("GONIOTILE_LONG") ? 10000 : 200;
@@ -233,6 +258,7 @@ static void pushes_with_faults_while_rendering_lose_nothing(void **state)
     for (unsigned i = 0; i < count; i++) {
         uint32_t slot = 1 + random32() % (LAB_SLOTS - 1), frames = lab->device->app.frames;
         struct table t = table_random();
+        set_budget(); /* a loss of power has forgotten the last one */
         push_with_fault(slot, &t, random32() % FAULTS);
         free(t.data);
         for (uint32_t s = 1; s < LAB_SLOTS; s++)
@@ -243,8 +269,10 @@ static void pushes_with_faults_while_rendering_lose_nothing(void **state)
             account_steps(1);
         }
     }
-    printf("# %u pushes, %llu bytes, %u resumed after a loss of power, %llu frames\n", count,
-           (unsigned long long)account.served, resumed, (unsigned long long)account.frames);
+    printf("# %u pushes, %llu bytes, %u resumed after a loss of power, %llu frames, %u tiles with a budget, %u of them "
+           "reduced\n",
+           count, (unsigned long long)account.served, resumed, (unsigned long long)account.frames, budgeted, reduced);
+    assert_true(budgeted > count && reduced > 0);
 }
 
 int main(void)
