@@ -56,7 +56,8 @@ for target in $targets; do
     [ -n "${GONIOTILE_ROWS-}" ] || continue
     # The still picture of six models, when half or a quarter of what its shading takes at full quality is left for it.
     "$B/board/make_input" "$target" "$work/in" picture 0 "$B/demo/six_models.blob" "${six[@]}"
-    LIMIT=250 tests/board/run.sh "$target" "$B/board/$target/budget.elf" "$work/in" | tee /dev/stderr >"$work/six"
+    LIMIT=250 tests/board/run.sh "$target" "$B/board/$target/budget.elf" "$work/in" >"$work/six"
+    sed "s/^/# $target six models: /" "$work/six"
     for share in half quarter; do
         row "$target" all psnr_at_$share "$(awk -v s=$share '$1 == s { printf "%.2f", 10 * log(255 * 255 * 230400 / $NF) / log(10) }' "$work/six")" dB
     done
