@@ -163,8 +163,7 @@ int command_render(int argc, char **argv)
                                      "\vExamples:\n"
                                      "  $ gtsim render six_models.blob --model lafortune_phong -o quick.png --stats\n"
                                      "  $ gtsim render oled.blob --table 0=gold.ktx2 --samples 4 -o gold.png\n"
-                                     "  $ gtsim render six_models.blob -m lafortune_phong --budget 300000 -o tight.png "
-                                     "--heatmap heat.png",
+                                     "  $ gtsim render six_models.blob -m blinn_phong -b 800000 -o b.png -h heat.png",
                                      children,
                                      NULL,
                                      NULL};

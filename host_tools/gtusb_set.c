@@ -344,7 +344,7 @@ static void set_budget(int argc, char **argv)
         "does not fit is shaded at lower rates, where it is seen least. 'gtusb stats' says what "
         "tiles take and what it cost in error."
         "\vExamples:\n"
-        "  $ gtusb set budget 400000",
+        "  $ gtusb set budget 800000",
         device_options,
         NULL,
         NULL};
