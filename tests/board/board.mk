@@ -72,6 +72,8 @@ $(AMALGAMATED): $(B)/amalgamation/%.o: $(AMALGAMATION).c
 # The smallest device: the firmware with scene and table built in, tiles of 32 x 32.
 $(eval $(call BOARD_TARGET,lm3s6965,arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -DRASTER_TILE_WIDTH=32 -DRASTER_TILE_HEIGHT=32,\
     hal/emulated/cortex_m.c $(wildcard hal/lm3s6965/*.c)))
+# Code and flash image share 256 KB.
+$(B)/board/lm3s6965/%.o: BOARD_OPT := -Os
 # One level of detail and meshlets not split: the bank is small.
 $(B)/board/oled.blob: host_tools/scenes/oled.json $(B)/gtscene
 	@mkdir -p $(@D)
