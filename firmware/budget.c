@@ -2,10 +2,13 @@
 
 #define COST_BITS 4
 #define ONE       256u /* of ratios */
-#define PRICE(i)  (1u << (8 + 2 * (i)))
+#define PRICE(i)  (1u << (8 + 4 * (i)))
 
 /* Modelled ticks of deciding, where there is no clock: a tile's share, a class's rates, a region's. */
-enum { OWN_TILE = 300, OWN_CLASS = 900, OWN_REGION = 90 };
+enum { OWN_TILE = 300, OWN_CLASS = 3000, OWN_REGION = 150 };
+
+/* Ticks beyond the least from which on a plan is made. */
+#define PLAN_WORTH 60000u
 
 /* A tile being rendered. */
 struct tile {
@@ -27,6 +30,11 @@ static uint32_t elapsed(const struct tile *k)
 {
     const struct hal *hal = k->b->hal;
     return hal->clock ? hal->clock(hal->ctx) - k->start : (uint32_t)(k->stats->cost >> COST_BITS) + k->report->own;
+}
+
+static uint32_t least_of(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
 }
 
 static uint32_t ticks_until(const struct tile *k, uint32_t end)
@@ -148,14 +156,15 @@ static void report_region(const struct tile *k, uint32_t region, const struct ra
 {
     const struct budget_plan *p = &k->b->plan;
     struct budget_report *out = k->report;
-    for (uint32_t c = 0; c < p->survey->classes; c++) {
-        const uint32_t pixels = p->survey->area[c][region].pixels, all = p->survey->total[c].pixels;
-        const uint8_t rate = q->rate[c];
-        if (!pixels)
-            continue;
+    for (uint32_t i = 0; i < p->count; i++) {
+        const uint32_t id = p->id[i], pixels = p->survey->area[id][region].pixels;
+        const uint8_t rate = q->rate[id];
         out->pixels += pixels;
+        if (!rate || !pixels)
+            continue;
         out->rates += pixels * rate;
-        out->error = fx_add_sat(out->error, (p->classes[c].error[rate] / all + 1) * pixels * (rate != 0)); /* 2^28 */
+        out->error =
+            fx_add_sat(out->error, (p->classes[i].error[rate] / p->survey->total[id].pixels + 1) * pixels); /* 2^29 */
         out->coarsest = rate > out->coarsest ? rate : out->coarsest;
     }
 }
@@ -172,10 +181,9 @@ static void shade_regions(struct tile *k, uint32_t end, uint32_t finish)
         const uint32_t left = end > before ? end - before : 0;
         struct raster_quality q = p->quality;
         budget_region_fit(&q, p, i, left > after ? left - after : 0);
-        p->quality.lights = q.lights; /* once fewer, so to the end: to choose them takes ticks */
         rows += budget_rows_ticks(p, i, &q);
         report_region(k, i, &q);
-        decided(k, before, OWN_REGION * (p->shown + 1));
+        decided(k, before, OWN_REGION * (p->count + 1));
         raster_tile_shade(k->r, k->work, k->rect, i, &q, k->stats);
         if (!k->b->hal->clock)
             k->stats->cost += (uint64_t)budget_cells_ticks(p, i, &q) << COST_BITS;
@@ -202,7 +210,7 @@ static uint64_t need_at(uint32_t *own, struct tile *k, uint32_t full, uint32_t s
     *own = full;
     if (step == BUDGET_PRICES)
         return others + full;
-    *own = budget_ticks_at_price(b->plan.classes, b->plan.survey->classes, PRICE(step));
+    *own = budget_ticks_at_price(b->plan.classes, b->plan.count, PRICE(step));
     learn(&b->price_ratio[step], *own, full);
     return times(others, &b->price_ratio[step], ONE - step * ONE / (BUDGET_PRICES + 4)) + *own;
 }
@@ -238,6 +246,26 @@ static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t fini
     return ticks;
 }
 
+/* Without a plan, for which there are no ticks: every region at the last rung. */
+static void shade_flat(struct tile *k, const struct raster_survey *survey)
+{
+    static const struct raster_quality q = {.rate = {[0 ... RASTER_CLASSES - 1] = RASTER_RATE_FLAT},
+                                            .lights = RASTER_LEAST_LIGHTS};
+    for (uint32_t c = 0; c < survey->classes; c++) {
+        const uint32_t pixels = survey->total[c].pixels;
+        k->report->pixels += pixels;
+        k->report->rates += pixels * RASTER_RATE_FLAT;
+        if (pixels)
+            k->report->error = fx_add_sat(k->report->error, raster_class_error(survey, c, RASTER_RATE_FLAT));
+    }
+    k->report->coarsest = RASTER_RATE_FLAT;
+    k->report->lights = RASTER_LEAST_LIGHTS;
+    k->report->share = k->limit;
+    k->report->predicted = k->r->bounds[k->index].least;
+    for (uint32_t i = 0; i < survey->regions; i++)
+        raster_tile_shade(k->r, k->work, k->rect, i, &q, k->stats);
+}
+
 /* Plans and shades what is drawn; `last`: every meshlet is. False: it took too much, the tile is to be drawn again. */
 static bool shade_pass(struct tile *k, bool last)
 {
@@ -247,25 +275,33 @@ static bool shade_pass(struct tile *k, bool last)
     k->stats->cost += (uint64_t)k->r->frame.costs->survey * RASTER_TILE_PIXELS +
                       (uint64_t)k->r->frame.costs->light * k->r->frame.light_count;
     const uint32_t before = elapsed(k), left = ticks_until(k, k->limit);
+    if (k->report->coarse && k->spare < PLAN_WORTH) {
+        shade_flat(k, survey);
+        return true;
+    }
     budget_plan_begin(p, b, k->r, k->work, k->rect, last);
     const uint32_t finish = last ? finish_ticks(k) : 0, least = budget_least_ticks(p, 0);
-    const uint32_t own = OWN_CLASS * (p->shown + 2) + OWN_REGION * (p->shown + 1) * survey->regions;
+    const uint32_t own = OWN_CLASS * (p->count + 2) + OWN_REGION * (p->count + 1) * survey->regions;
     /* What an earlier pass must leave: for the levels wanted as much as it takes to fall back still, then half of what is spare. */
     const uint32_t reserve = last ? 0 : k->r->bounds[k->index].least, need = least + finish + own;
     if (!k->report->coarse && left < need + reserve)
         return false;
     const uint32_t spare = last ? left : k->report->coarse ? need + k->spare / 2 : need + (left - need - reserve) / 2;
     uint32_t full = 0, end = before + spare;
-    for (uint32_t i = 0; i < survey->classes; i++)
+    for (uint32_t i = 0; i < p->count; i++)
         full = fx_add_sat(full, p->classes[i].ticks[RASTER_RATE_1X1]);
     uint32_t ticks = grant(k, before + own, full, finish);
     if (ticks < full && spare > need) { /* as much, and some for surprises */
         const uint32_t wanted = before + own + finish + (ticks > least ? ticks : least) / 8 * 9;
         end = wanted < end ? wanted : end;
     }
+    if (last) { /* what is kept for the tile is its own, whatever it needs */
+        const uint32_t kept = least_of(k->r->bounds[k->index].least, k->limit);
+        end = end > kept ? end : kept;
+    }
     k->report->share = end;
     k->report->predicted = before + own + finish + budget_plan_choose(p, b, ticks > least ? ticks : least);
-    decided(k, before, OWN_CLASS * p->shown);
+    decided(k, before, OWN_CLASS * p->count);
     shade_regions(k, end, finish);
     const uint32_t used = elapsed(k) - before, more = used > need ? used - need : 0;
     k->spare -= more < k->spare ? more : k->spare;

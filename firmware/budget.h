@@ -37,25 +37,35 @@ struct budget_class {
     uint8_t rate; /* the choice */
 };
 
+/* What a sample takes at most, 4 fraction bits: where planes hold, where they do not, in rows. */
+struct budget_units {
+    uint32_t planes[RASTER_CLASSES], exact[RASTER_CLASSES], row[RASTER_CLASSES];
+    uint8_t lights; /* under so many */
+};
+
 /* Of what is drawn of a tile. */
 struct budget_plan {
     const struct raster *r;
     const struct raster_survey *survey;
-    uint32_t pixels, shown; /* that wait for shading; classes that have some */
-    struct raster_quality quality;
-    bool last;        /* every meshlet is drawn */
-    uint32_t regular; /* bit for each region: planes hold in it */
+    bool last;                  /* every meshlet is drawn */
+    uint32_t count, pixels;     /* classes that show; their pixels */
+    uint8_t id[RASTER_CLASSES]; /* which; what follows goes by the index into this */
     struct budget_class classes[RASTER_CLASSES];
-    uint64_t materials[RASTER_CLASSES]; /* bit for each */
-    uint32_t first;                     /* bit for each class that has a material before others */
-    uint32_t planes;                    /* of a block under all directional lights, 4 fraction bits */
+    uint64_t materials[RASTER_CLASSES];                         /* bit for each */
+    uint8_t regions[RASTER_CLASSES], irregular[RASTER_CLASSES]; /* in which they show; where planes do not hold */
+    uint32_t first; /* bit for each class: a material is in none before; it is shaded in rows at rate 1x1 */
+    uint32_t rows;
+    uint32_t regular;                 /* bit for each region: planes hold in it */
+    uint32_t planes;                  /* of a block under all directional lights, 4 fraction bits */
+    struct budget_units units, least; /* under the plan's lights, and under the fewest */
     /* From a region on, at most: at the last rung; flat, but for the meshlets' evaluations, and how many these may be. */
     uint32_t last_rung[RASTER_MAX_REGIONS + 1], flat_ticks[RASTER_MAX_REGIONS + 1], flat_cells[RASTER_MAX_REGIONS + 1];
     uint32_t flat_each; /* an evaluation's ticks */
+    struct raster_quality quality;
 };
 
-/* Prices of a tick, each four times the one before. */
-#define BUDGET_PRICES 12u
+/* Prices of a tick, each sixteen times the one before. */
+#define BUDGET_PRICES 6u
 
 /* A running ratio of sums. */
 struct budget_ratio {
@@ -94,7 +104,7 @@ uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region);
 /* Chooses rates and lights that are expected to take at most `ticks`. Returns the ticks expected. */
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks);
 /* Coarsens a region's rates until it takes at most `ticks`, or what it takes at the last rung. */
-void budget_region_fit(struct raster_quality *q, const struct budget_plan *p, uint32_t region, uint32_t ticks);
+void budget_region_fit(struct raster_quality *q, struct budget_plan *p, uint32_t region, uint32_t ticks);
 /* What visiting a region's cells takes, modelled. */
 uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q);
 /* What of a region's shading is left for the end of the tile, in rows, at most. */

@@ -1,55 +1,81 @@
 /*
- * What shading a tile takes at each rate, in expectation and at most, and the plan for it.
+ * What shading a tile takes at each rate, in expectation and at most, and the plan for it. Costs have 4 fraction bits, as in struct raster_costs;
+ * ticks have none.
  */
 #include "budget.h"
 
-#define COST_BITS  4                    /* fraction bits of struct raster_costs */
+#define COST_BITS  4
 #define BLOCK_COST (2000u << COST_BITS) /* of a block beyond planes, at most */
 
 /* --- what shading takes --- */
 
-static bool in_rows(unsigned shading)
+static enum raster_shading shading_of(const struct budget_plan *p, uint32_t i, unsigned rate)
 {
-    return shading == RASTER_SHADE_DIFFUSE_ROW || shading == RASTER_SHADE_BLINN_PHONG_ROW;
+    return raster_shading_of(p->r, p->survey->material[p->id[i]], (enum raster_rate)rate);
 }
 
-/* Lights that are evaluated when at most `lights` are, the strongest: of either kind in proportion; or the most of each, but flat. */
-static void count_lights(struct raster_work *w, const struct budget_plan *p, uint32_t lights, bool most)
+static const struct raster_area *area_of(const struct budget_plan *p, uint32_t i, uint32_t region)
 {
-    const uint32_t directional = p->r->directional, points = p->survey->point_lights, all = directional + points;
-    const uint32_t n = lights < all ? lights : all;
-    w->directional = all ? directional * n / all : 0;
-    w->points = n - w->directional;
-    if (most && w->rate != RASTER_RATE_FLAT) {
-        w->directional = directional < n ? directional : n;
-        w->points = points < n ? points : n;
+    return &p->survey->area[p->id[i]][region];
+}
+
+static uint32_t least_of(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint32_t ticks_of(uint64_t cost)
+{
+    return (uint32_t)(cost >> COST_BITS) + 1;
+}
+
+/* What a class's samples take at most under at most `lights` lights, of each kind as many as there may be among the strongest. */
+static void units_find(struct budget_units *u, const struct budget_plan *p, uint32_t lights)
+{
+    const struct raster_costs *costs = p->r->frame.costs;
+    const uint32_t directional = least_of(p->r->directional, lights),
+                   points = least_of(p->survey->point_lights, lights);
+    u->lights = (uint8_t)lights;
+    for (uint32_t i = 0; i < p->count; i++) {
+        const struct raster_shading_cost *c = &costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
+        const struct raster_shading_cost *row = &costs->shading[shading_of(p, i, RASTER_RATE_1X1)];
+        const uint32_t most = c->lit > c->dark ? c->lit : c->dark;
+        u->planes[i] = c->sample + directional * most + points * c->point;
+        u->exact[i] = c->sample + (directional + points) * c->point;
+        u->row[i] = row->sample + directional * row->lit;
     }
 }
 
-/* Blocks of a region where planes do not hold: as small as a cell. */
-static const uint16_t blocks[RASTER_RATE_COUNT] = {256, 64, 64, 16, 16, 1};
-
-static enum raster_shading shading_of(const struct budget_plan *p, uint32_t class_id, unsigned rate)
+/* Of an area's cells, samples and all but its passes, at a rate. */
+static uint64_t area_cost(const struct budget_plan *p, const struct raster_area *area, unsigned rate, uint32_t samples,
+                          uint32_t unit)
 {
-    return raster_shading_of(p->r, p->survey->material[class_id], (enum raster_rate)rate);
+    const struct raster_costs *c = p->r->frame.costs;
+    const uint32_t filled = (uint32_t)area->pixels >> (4 + 2 * p->r->sample_shift);
+    const uint32_t mixed = area->cells > filled ? area->cells - filled : 0; /* < 2^9 */
+    const uint64_t cost = (uint64_t)samples * unit;
+    if (rate == RASTER_RATE_1X1)
+        return cost + mixed * c->run;
+    if (rate == RASTER_RATE_FLAT)
+        return cost + area->pixels * c->copied;
+    return cost + area->pixels * c->copied + area->cells * c->part + mixed * c->mixed;
 }
 
 /* Of a class in a region, at most, but for its passes. */
-static uint32_t most_ticks(const struct budget_plan *p, uint32_t class_id, enum raster_rate rate, uint32_t lights,
-                           uint32_t region)
+static uint64_t most_cost(const struct budget_plan *p, const struct budget_units *u, uint32_t i, unsigned rate,
+                          uint32_t region)
 {
-    const struct raster_area *area = &p->survey->area[class_id][region];
-    struct raster_work w = {
-        .shading = shading_of(p, class_id, rate),
-        .rate = rate,
-        .samples = p->last || rate != RASTER_RATE_1X1 ? raster_samples_most(p->r, p->survey, class_id, area, rate)
-                                                      : area->pixels,
-        .lit = 256,
-    };
-    raster_work_area(&w, p->r, area);
-    count_lights(&w, p, lights, true);
-    w.exact = !(p->regular >> region & 1) && !in_rows(w.shading) && w.directional;
-    return raster_shading_ticks(p->r->frame.costs, &w);
+    const struct raster_area *area = area_of(p, i, region);
+    if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
+        return (uint64_t)area->pixels * u->row[i];
+    if (rate == RASTER_RATE_FLAT && u->lights <= RASTER_LEAST_LIGHTS)
+        return area_cost(p, area, rate, least_of(area->cells, p->survey->meshlets[p->id[i]]),
+                         p->flat_each << COST_BITS);
+    const uint32_t samples = rate == RASTER_RATE_1X1 && !p->last
+                                 ? area->pixels
+                                 : raster_samples_most(p->r, p->survey, p->id[i], area, (enum raster_rate)rate);
+    const bool planes = p->regular >> region & 1 && rate != RASTER_RATE_FLAT;
+    return area_cost(p, area, rate, samples, planes ? u->planes[i] : u->exact[i]);
 }
 
 static uint32_t count_bits(uint64_t x)
@@ -61,161 +87,149 @@ static uint32_t count_bits(uint64_t x)
 }
 
 /* A region is gone through once for every material and rate in it: a pass at a rate. Where planes do not hold, for each of its blocks. */
-static uint32_t pass_ticks(const struct budget_plan *p, unsigned rate, bool regular)
+static uint32_t pass_cost(const struct budget_plan *p, unsigned rate, bool regular)
 {
+    static const uint16_t blocks[RASTER_RATE_COUNT] = {256, 64, 64, 16, 16, 1}; /* where planes do not hold: cells */
     static const uint8_t cells[RASTER_RATE_COUNT] = {0, 128, 64, 32, 16, 0};
     const struct raster_costs *c = p->r->frame.costs;
-    const uint64_t n = regular ? 1 : blocks[rate], visited = rate && !regular ? blocks[rate] : cells[rate];
     if (rate == RASTER_RATE_FLAT)
-        return (c->flat >> COST_BITS) + 1;
-    return (uint32_t)((c->region + n * (p->planes + BLOCK_COST) + visited * c->cell) >> COST_BITS) + 1;
-}
-
-/* All passes of a region, at most. */
-static uint32_t passes_ticks(const struct budget_plan *p, const struct raster_quality *q, uint32_t region)
-{
-    const bool regular = p->regular >> region & 1;
-    uint64_t materials[RASTER_RATE_COUNT] = {0};
-    uint32_t sum = 0;
-    for (uint32_t c = 0; c < p->survey->classes; c++)
-        if (p->survey->area[c][region].pixels && !in_rows(shading_of(p, c, q->rate[c])))
-            materials[q->rate[c]] |= p->materials[c];
-    for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
-        if (materials[rate])
-            sum += count_bits(materials[rate]) * pass_ticks(p, rate, regular);
-    return sum;
-}
-
-/* Fills what every rate of a class is expected to take under at most `lights` lights. */
-static void expected_ticks(uint32_t ticks[RASTER_RATE_COUNT], const struct budget_plan *p, uint32_t class_id,
-                           uint32_t lit, uint32_t lights)
-{
-    const struct raster_survey *s = p->survey;
-    uint32_t samples[RASTER_RATE_COUNT], regions = 0, irregular = 0;
-    raster_samples_likely(samples, p->r, s, class_id, &s->total[class_id]);
-    if (!p->last)
-        samples[RASTER_RATE_1X1] = s->total[class_id].pixels;
-    for (uint32_t i = 0; i < s->regions; i++)
-        if (s->area[class_id][i].pixels) {
-            regions++;
-            irregular += !(p->regular >> i & 1);
-        }
-    for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
-        struct raster_work w = {.shading = shading_of(p, class_id, rate),
-                                .rate = (enum raster_rate)rate,
-                                .samples = samples[rate],
-                                .exact = irregular > regions / 2,
-                                .lit = lit};
-        raster_work_area(&w, p->r, &s->total[class_id]);
-        count_lights(&w, p, rate == RASTER_RATE_FLAT ? RASTER_LEAST_LIGHTS : lights, false);
-        ticks[rate] = raster_shading_ticks(p->r->frame.costs, &w);
-        /* Classes of one material and rate share a pass; where planes do not hold, some blocks are smaller. */
-        if (!in_rows(w.shading))
-            ticks[rate] +=
-                ((regions - irregular) * pass_ticks(p, rate, true) + irregular * pass_ticks(p, rate, false) / 2) *
-                (rate ? 1 : p->first >> class_id & 1);
-    }
+        return c->flat;
+    if (regular)
+        return c->region + p->planes + BLOCK_COST + cells[rate] * c->cell;
+    return c->region + blocks[rate] * least_of(p->planes + BLOCK_COST + c->cell, 1u << 22);
 }
 
 /* Of a class in a region, at most, with passes of its own. */
-static uint32_t alone_ticks(const struct budget_plan *p, uint32_t class_id, unsigned rate, uint32_t lights,
+static uint64_t alone_cost(const struct budget_plan *p, const struct budget_units *u, uint32_t i, unsigned rate,
+                           uint32_t region)
+{
+    const uint64_t cost = most_cost(p, u, i, rate, region);
+    if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
+        return cost;
+    return cost + (uint64_t)count_bits(p->materials[i]) * pass_cost(p, rate, p->regular >> region & 1);
+}
+
+/* Of all classes in a region, at most. */
+static uint64_t region_cost(const struct budget_plan *p, const struct budget_units *u, const struct raster_quality *q,
                             uint32_t region)
 {
-    const uint32_t ticks = most_ticks(p, class_id, (enum raster_rate)rate, lights, region);
-    if (in_rows(shading_of(p, class_id, rate)))
-        return ticks;
-    return ticks + count_bits(p->materials[class_id]) * pass_ticks(p, rate, p->regular >> region & 1);
-}
-
-/* The last rung of a class in a region: the fewest lights, and the cheaper of cells of 4 x 4 and flat. */
-static uint32_t last_rung(const struct budget_plan *p, uint32_t class_id, uint32_t region)
-{
-    const uint32_t flat = alone_ticks(p, class_id, RASTER_RATE_FLAT, RASTER_LEAST_LIGHTS, region);
-    const uint32_t cells = alone_ticks(p, class_id, RASTER_RATE_4X4, RASTER_LEAST_LIGHTS, region);
-    return flat < cells ? flat : cells;
-}
-
-/* Everything from a region on flat, each meshlet evaluated once. */
-static uint32_t flat_ticks(const struct budget_plan *p, uint32_t region)
-{
-    const uint32_t cells = p->flat_cells[region], slots = p->survey->slots;
-    return p->flat_ticks[region] + (cells < slots ? cells : slots) * p->flat_each;
-}
-
-uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region)
-{
-    const uint32_t flat = flat_ticks(p, region);
-    return flat < p->last_rung[region] ? flat : p->last_rung[region];
-}
-
-uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q)
-{
-    uint32_t sum = 0;
-    for (uint32_t c = 0; c < p->survey->classes; c++) {
-        struct raster_work w = {.rate = (enum raster_rate)q->rate[c]};
-        if (!p->survey->area[c][region].pixels || in_rows(shading_of(p, c, q->rate[c])))
+    const bool regular = p->regular >> region & 1;
+    uint64_t materials[RASTER_RATE_COUNT] = {0}, sum = 0;
+    for (uint32_t i = 0; i < p->count; i++) {
+        const unsigned rate = q->rate[p->id[i]];
+        if (!area_of(p, i, region)->pixels)
             continue;
-        raster_work_area(&w, p->r, &p->survey->area[c][region]);
-        sum += raster_shading_ticks(p->r->frame.costs, &w);
+        sum += most_cost(p, u, i, rate, region);
+        if (rate != RASTER_RATE_1X1 || !(p->rows >> i & 1))
+            materials[rate] |= p->materials[i];
     }
+    for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
+        if (materials[rate])
+            sum += (uint64_t)count_bits(materials[rate]) * pass_cost(p, rate, regular);
     return sum;
 }
 
 uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q)
 {
-    uint32_t sum = 0;
-    for (uint32_t c = 0; c < p->survey->classes; c++)
-        if (p->survey->area[c][region].pixels && in_rows(shading_of(p, c, q->rate[c])))
-            sum += most_ticks(p, c, (enum raster_rate)q->rate[c], q->lights, region);
-    return sum;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < p->count; i++)
+        if (p->rows >> i & 1 && q->rate[p->id[i]] == RASTER_RATE_1X1)
+            sum += (uint64_t)area_of(p, i, region)->pixels * p->units.row[i];
+    return sum ? ticks_of(sum) : 0;
 }
 
-/* The next coarser rate that takes less than `ticks`, or none: RASTER_RATE_COUNT. */
-static unsigned coarser(const struct budget_plan *p, uint32_t class_id, const struct raster_quality *q, uint32_t region,
-                        uint32_t ticks)
+uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q)
 {
-    unsigned rate = q->rate[class_id];
-    do
-        rate++;
-    while (rate < RASTER_RATE_COUNT && alone_ticks(p, class_id, rate, q->lights, region) >= ticks);
-    return rate;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < p->count; i++) {
+        const unsigned rate = q->rate[p->id[i]];
+        if (rate != RASTER_RATE_1X1 || !(p->rows >> i & 1))
+            sum += area_cost(p, area_of(p, i, region), rate, 0, 0);
+    }
+    return ticks_of(sum);
+}
+
+/* --- the last rung --- */
+
+/* Everything from a region on flat, each meshlet evaluated once. */
+static uint32_t flat_ticks(const struct budget_plan *p, uint32_t region)
+{
+    return p->flat_ticks[region] + least_of(p->flat_cells[region], p->survey->slots) * p->flat_each;
+}
+
+uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region)
+{
+    return least_of(flat_ticks(p, region), p->last_rung[region]);
+}
+
+/* From each region on: flat; and of each class the cheaper of cells of 4 x 4 and flat. */
+static void sum_last_rungs(struct budget_plan *p)
+{
+    const struct raster_costs *c = p->r->frame.costs;
+    const uint32_t regions = p->survey->regions;
+    p->flat_ticks[regions] = p->flat_cells[regions] = p->last_rung[regions] = 0;
+    for (uint32_t region = regions; region-- > 0;) {
+        uint32_t pixels = 0, cells = 0;
+        uint64_t materials = 0, last = 0;
+        for (uint32_t i = 0; i < p->count; i++) {
+            const struct raster_area *area = area_of(p, i, region);
+            if (!area->pixels)
+                continue;
+            const uint64_t flat = alone_cost(p, &p->least, i, RASTER_RATE_FLAT, region);
+            const uint64_t cell = alone_cost(p, &p->least, i, RASTER_RATE_4X4, region);
+            last += flat < cell ? flat : cell;
+            pixels += area->pixels;
+            cells += area->cells;
+            materials |= p->materials[i];
+        }
+        p->last_rung[region] = p->last_rung[region + 1] + ticks_of(last); /* 2^3 2^28 */
+        p->flat_ticks[region] = p->flat_ticks[region + 1] +
+                                ticks_of((uint64_t)c->copied * pixels + (uint64_t)c->flat * count_bits(materials));
+        p->flat_cells[region] = p->flat_cells[region + 1] + cells;
+    }
 }
 
 /* Coarsens the dearest class that can be, until the region fits (true) or none can be. */
-static bool coarsen(struct raster_quality *q, const struct budget_plan *p, uint32_t region, uint32_t ticks)
+static bool coarsen(struct raster_quality *q, const struct budget_plan *p, const struct budget_units *u,
+                    uint32_t region, uint32_t ticks)
 {
-    for (;;) {
-        uint32_t dearest = 0, most = 0, sum = passes_ticks(p, q, region);
+    while (region_cost(p, u, q, region) >> COST_BITS >= ticks) {
+        uint32_t dearest = 0;
+        uint64_t most = 0;
         unsigned next = RASTER_RATE_COUNT;
-        for (uint32_t c = 0; c < p->survey->classes; c++) {
-            if (!p->survey->area[c][region].pixels)
+        for (uint32_t i = 0; i < p->count; i++) {
+            unsigned rate = q->rate[p->id[i]];
+            if (!area_of(p, i, region)->pixels || rate == RASTER_RATE_FLAT)
                 continue;
-            const uint32_t takes = alone_ticks(p, c, q->rate[c], q->lights, region);
-            sum = fx_add_sat(sum, most_ticks(p, c, (enum raster_rate)q->rate[c], q->lights, region));
-            const unsigned rate = takes > most ? coarser(p, c, q, region, takes) : RASTER_RATE_COUNT;
+            const uint64_t takes = alone_cost(p, u, i, rate, region);
+            if (takes <= most)
+                continue;
+            do
+                rate++;
+            while (rate < RASTER_RATE_COUNT && alone_cost(p, u, i, rate, region) >= takes);
             if (rate == RASTER_RATE_COUNT)
                 continue;
             most = takes;
-            dearest = c;
+            dearest = p->id[i];
             next = rate;
         }
-        if (sum <= ticks)
-            return true;
         if (next == RASTER_RATE_COUNT)
             return false;
         q->rate[dearest] = (uint8_t)next;
     }
+    return true;
 }
 
-void budget_region_fit(struct raster_quality *q, const struct budget_plan *p, uint32_t region, uint32_t ticks)
+void budget_region_fit(struct raster_quality *q, struct budget_plan *p, uint32_t region, uint32_t ticks)
 {
     const struct raster_quality planned = *q;
-    if (coarsen(q, p, region, ticks))
+    if (coarsen(q, p, &p->units, region, ticks))
         return;
-    if (q->lights > RASTER_LEAST_LIGHTS && p->r->directional + p->survey->point_lights > RASTER_LEAST_LIGHTS) {
+    if (p->units.lights != p->least.lights) { /* once fewer, so to the end: to choose them takes ticks */
         *q = planned;
-        q->lights = RASTER_LEAST_LIGHTS;
-        if (coarsen(q, p, region, ticks))
+        p->units = p->least;
+        p->quality.lights = q->lights = RASTER_LEAST_LIGHTS;
+        if (coarsen(q, p, &p->units, region, ticks))
             return;
     }
     if (flat_ticks(p, region) < p->last_rung[region]) /* a meshlet that shows in many regions is evaluated once */
@@ -235,117 +249,122 @@ static uint32_t light_error(const struct budget_plan *p, uint32_t lights)
     return p->pixels * 3 * steps * steps;                                      /* 2^13.6 2^12 */
 }
 
-/* The last rung, from each region on. */
-static void sum_last_rungs(struct budget_plan *p)
+/* What each rate of each class is expected to take under at most `lights` lights, and to err. */
+static void expect(struct budget_plan *p, uint32_t lit, uint32_t lights)
 {
-    const struct raster_costs *costs = p->r->frame.costs;
     const struct raster_survey *s = p->survey;
-    p->flat_each = 0;
-    for (uint32_t c = 0; c < s->classes; c++) {
-        if (!s->total[c].pixels)
-            continue; /* and no material */
-        const uint32_t flat = (costs->shading[shading_of(p, c, RASTER_RATE_FLAT)].flat >> COST_BITS) + 1;
-        p->flat_each = flat > p->flat_each ? flat : p->flat_each;
-    }
-    p->flat_ticks[s->regions] = p->flat_cells[s->regions] = p->last_rung[s->regions] = 0;
-    for (uint32_t region = s->regions; region-- > 0;) {
-        uint32_t pixels = 0, cells = 0, last = 0;
-        uint64_t materials = 0;
-        for (uint32_t c = 0; c < s->classes; c++) {
-            const struct raster_area *area = &s->area[c][region];
-            if (!area->pixels)
-                continue;
-            last = fx_add_sat(last, last_rung(p, c, region));
-            pixels += area->pixels;
-            cells += area->cells;
-            materials |= p->materials[c];
+    const uint32_t directional = p->r->directional, points = s->point_lights, all = directional + points,
+                   n = least_of(lights, all), likely = all ? directional * n / all : 0;
+    for (uint32_t i = 0; i < p->count; i++) {
+        const struct raster_area *total = &s->total[p->id[i]];
+        const struct raster_shading_cost *c = &p->r->frame.costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
+        const uint32_t planes = c->sample + (likely * (c->lit * lit + c->dark * (256 - lit)) >> 8) +
+                                (n - likely) * c->point; /* 2^7 2^11 2^8 */
+        const uint32_t exact = c->sample + n * c->point, regions = p->regions[i], irregular = p->irregular[i];
+        const uint32_t unit = (planes * (regions - irregular) + exact * irregular) / regions;
+        uint32_t samples[RASTER_RATE_COUNT];
+        raster_samples_likely(samples, p->r, s, p->id[i], total);
+        if (!p->last)
+            samples[RASTER_RATE_1X1] = total->pixels;
+        for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
+            uint64_t cost =
+                area_cost(p, total, rate, samples[rate], rate == RASTER_RATE_FLAT ? p->flat_each << COST_BITS : unit);
+            /* Classes of one material and rate share a pass; where planes do not hold, some blocks are larger than a cell. */
+            if (rate || p->first >> i & 1)
+                cost += (uint64_t)(regions - irregular) * pass_cost(p, rate, true) +
+                        (uint64_t)irregular * pass_cost(p, rate, false) / 2;
+            if (!rate && p->rows >> i & 1)
+                cost = (uint64_t)total->pixels * p->units.row[i];
+            p->classes[i].ticks[rate] = ticks_of(cost);
+            p->classes[i].error[rate] = raster_class_error(s, p->id[i], (enum raster_rate)rate);
         }
-        p->last_rung[region] = fx_add_sat(p->last_rung[region + 1], last);
-        p->flat_ticks[region] =
-            p->flat_ticks[region + 1] +
-            (uint32_t)(((uint64_t)costs->copied * pixels + (uint64_t)costs->flat * count_bits(materials)) >>
-                       COST_BITS) +
-            1;
-        p->flat_cells[region] = p->flat_cells[region + 1] + cells;
     }
 }
 
-static void find_classes(struct budget_plan *p, const struct budget *b, uint32_t lights)
+/* Classes that show, their materials, and in how many regions. */
+static void list_classes(struct budget_plan *p, const struct raster_tile *work)
 {
-    p->pixels = p->shown = 0;
-    for (uint32_t c = 0; c < p->survey->classes; c++) {
-        p->pixels += p->survey->total[c].pixels;
-        p->shown += p->survey->total[c].pixels != 0;
-        if (p->survey->total[c].pixels)
-            expected_ticks(p->classes[c].ticks, p, c, b->lit, lights);
-        else
-            p->classes[c] = (struct budget_class){.rate = RASTER_RATE_1X1};
-        for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
-            p->classes[c].error[rate] = raster_class_error(p->survey, c, (enum raster_rate)rate);
-    }
-}
-
-/* Materials of each class, and what a pass takes. */
-static void find_materials(struct budget_plan *p, const struct raster_tile *work)
-{
+    const struct raster_survey *s = p->survey;
     const struct raster_costs *c = p->r->frame.costs;
-    uint32_t planes = 0;
-    uint64_t seen = 0;
-    for (uint32_t i = 0; i < RASTER_CLASSES; i++)
-        p->materials[i] = 0;
-    for (uint32_t i = 1; i <= p->survey->slots; i++)
+    uint64_t materials[RASTER_CLASSES] = {0}, seen = 0;
+    uint32_t planes = 0, flat = 0;
+    for (uint32_t i = 1; i <= s->slots; i++)
         if (work->m.shading.pixels[i])
-            p->materials[work->slots[i].class_id] |= (uint64_t)1 << work->slots[i].material;
-    p->first = 0;
-    for (uint32_t i = 0; i < p->survey->classes; i++) {
-        if (!p->survey->total[i].pixels)
+            materials[work->slots[i].class_id] |= (uint64_t)1 << work->slots[i].material;
+    p->count = p->pixels = p->first = p->rows = 0;
+    for (uint32_t id = 0; id < s->classes; id++) {
+        const uint32_t i = p->count;
+        if (!s->total[id].pixels)
             continue;
-        const uint32_t material = c->shading[shading_of(p, i, RASTER_RATE_4X4)].material;
-        planes = material > planes ? material : planes;
-        if (p->materials[i] & ~seen)
+        p->id[p->count++] = (uint8_t)id;
+        p->materials[i] = materials[id];
+        p->pixels += s->total[id].pixels;
+        p->regions[i] = p->irregular[i] = 0;
+        for (uint32_t region = 0; region < s->regions; region++)
+            if (s->area[id][region].pixels) {
+                p->regions[i]++;
+                p->irregular[i] = (uint8_t)(p->irregular[i] + !(p->regular >> region & 1));
+            }
+        const struct raster_shading_cost *k = &c->shading[shading_of(p, i, RASTER_RATE_4X4)];
+        planes = k->material > planes ? k->material : planes;
+        flat = k->flat > flat ? k->flat : flat;
+        if (p->r->in_rows[s->material[id]])
+            p->rows |= 1u << i;
+        if (materials[id] & ~seen)
             p->first |= 1u << i;
-        seen |= p->materials[i];
+        seen |= materials[id];
     }
     p->planes = planes * p->r->directional;
+    p->flat_each = ticks_of(flat);
 }
 
 void budget_plan_begin(struct budget_plan *p, const struct budget *b, const struct raster *r,
                        const struct raster_tile *work, const struct raster_rect *rect, bool last)
 {
-    const struct raster_survey *survey = &work->m.shading.survey;
+    const struct raster_survey *s = &work->m.shading.survey;
     p->r = r;
-    p->survey = survey;
+    p->survey = s;
     p->last = last;
     p->regular = 0;
-    for (uint32_t i = 0; i < survey->regions; i++)
+    for (uint32_t i = 0; i < s->regions; i++)
         p->regular |= (uint32_t)(raster_region_blocks(r, rect, i, RASTER_RATE_1X1) == 1) << i;
-    find_materials(p, work);
+    list_classes(p, work);
+    units_find(&p->units, p, RASTER_ALL_LIGHTS);
+    p->least = p->units;
+    if (r->directional + s->point_lights > RASTER_LEAST_LIGHTS)
+        units_find(&p->least, p, RASTER_LEAST_LIGHTS);
+    else
+        p->units.lights = p->least.lights = RASTER_LEAST_LIGHTS;
     sum_last_rungs(p);
-    find_classes(p, b, RASTER_ALL_LIGHTS);
+    expect(p, b->lit, RASTER_ALL_LIGHTS);
 }
 
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks)
 {
     static const uint8_t ladder[] = {RASTER_ALL_LIGHTS, 16, RASTER_LEAST_LIGHTS};
-    const uint32_t all = p->r->directional + p->survey->point_lights, count = p->survey->classes;
+    const uint32_t all = p->r->directional + p->survey->point_lights;
     uint32_t least = UINT32_MAX, expected = 0;
     for (uint32_t step = 0; step < sizeof ladder && least; step++) {
         if (step) {
             if (ladder[step] >= all)
                 continue;
-            find_classes(p, b, ladder[step]);
+            expect(p, b->lit, ladder[step]);
         }
-        uint32_t error = budget_choose(p->classes, count, ticks), sum = 0;
-        for (uint32_t c = 0; c < count; c++)
-            sum = fx_add_sat(sum, p->classes[c].ticks[p->classes[c].rate]);
+        uint32_t error = budget_choose(p->classes, p->count, ticks), sum = 0;
+        for (uint32_t i = 0; i < p->count; i++)
+            sum = fx_add_sat(sum, p->classes[i].ticks[p->classes[i].rate]);
         error = fx_add_sat(error, light_error(p, ladder[step]));
         if (error >= least || (sum > ticks && ladder[step] > RASTER_LEAST_LIGHTS && all > RASTER_LEAST_LIGHTS))
             continue; /* fewer lights may fit */
         least = error;
         expected = sum;
         p->quality.lights = ladder[step];
-        for (uint32_t c = 0; c < count; c++)
-            p->quality.rate[c] = p->classes[c].rate;
+        for (uint32_t i = 0; i < p->count; i++)
+            p->quality.rate[p->id[i]] = p->classes[i].rate;
     }
+    if (p->quality.lights == RASTER_LEAST_LIGHTS)
+        p->units = p->least;
+    else if (p->quality.lights < RASTER_ALL_LIGHTS)
+        units_find(&p->units, p, p->quality.lights);
     return expected;
 }

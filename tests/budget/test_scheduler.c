@@ -207,7 +207,7 @@ static void generous_budgets_change_no_pixel(void **unused)
     for (int kind = 0; kind < SCENES_KIND_COUNT; kind++) {
         push_scene(d, (enum scenes_kind)kind, 3);
         render(d, 0, without);
-        render(d, 100000000, with);
+        render(d, 1000000000, with);
         if (memcmp(with, without, PICTURE))
             printf("# %s\n", scenes_name((enum scenes_kind)kind));
         assert_memory_equal(with, without, PICTURE);
