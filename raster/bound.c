@@ -53,6 +53,13 @@ void raster_extent_setup(struct raster_extent *e, const struct raster *r, const 
     e->pixel_cost = full_cost(r, o->material);
 }
 
+/* Of rows and pixels: in general coordinates they take more; half as much again, as boxes are not filled. */
+static uint64_t fill_cost(const struct raster_costs *c, uint32_t rows, uint32_t tested, bool small)
+{
+    const uint64_t cost = (uint64_t)c->row * rows + (uint64_t)c->tested * tested;
+    return small ? cost : cost + cost / 2;
+}
+
 void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
                       const struct raster_object *o, const struct scene_meshlet *m, int32_t nearest, bool small,
                       bool cut)
@@ -73,7 +80,7 @@ void raster_load_find(struct raster_load *load, const struct raster *r, const st
         (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing);
     const uint64_t setup = c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles;
     load->setup = cost_ticks(setup);
-    load->ticks = cost_ticks(setup + (uint64_t)c->row * rows + (uint64_t)c->tested * load->tested);
+    load->ticks = cost_ticks(setup + fill_cost(c, rows, load->tested, small));
 }
 
 /* Rows and pixels of a triangle, at most, on the screen: pixel centres in its box. */
@@ -119,13 +126,13 @@ static uint32_t overlap(int32_t lo, int32_t hi, int32_t first, int32_t size)
 }
 
 static void bound_triangle(struct raster_tile_bound *b, const struct raster_costs *c, const struct box *box, int32_t x,
-                           int32_t y, bool cut)
+                           int32_t y, bool cut, bool small)
 {
     const uint32_t columns = overlap(box->x0, box->x1, x, RASTER_TILE_WIDTH);
     const uint32_t rows = columns ? overlap(box->y0, box->y1, y, RASTER_TILE_HEIGHT) : 0;
-    const uint64_t cost = (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing) +
-                          (uint64_t)c->row * (cut ? FAN * rows : rows) +
-                          (uint64_t)c->tested * columns * rows; /* a fan's triangles do not overlap */
+    const uint64_t cost =
+        (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing) +
+        fill_cost(c, cut ? FAN * rows : rows, columns * rows, small); /* a fan's triangles do not overlap */
     b->least = fx_add_sat_u(b->least, cost_ticks(cost));
     b->pixels = fx_add_sat_u(b->pixels, columns * rows);
 }
@@ -150,7 +157,7 @@ void raster_bound_coarse(struct raster *r, const struct raster_object *o, const 
         for (int32_t y = tiles->y0; y <= tiles->y1; y++)
             for (int32_t x = tiles->x0; x <= tiles->x1; x++)
                 bound_triangle(&r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x], c, &box, x * RASTER_TILE_WIDTH,
-                               y * RASTER_TILE_HEIGHT, facing == CUT);
+                               y * RASTER_TILE_HEIGHT, facing == CUT, small);
     }
 }
 
