@@ -4,7 +4,7 @@
 # Arguments: path fragments; only tests whose path contains one are run. Example: tests/run.sh unit/test_func
 # Last line: "N passed, N failed, N skipped"; exit status 1 when something failed or nothing ran.
 set -u
-LIMIT=${LIMIT:-300} # seconds per program
+LIMIT=${LIMIT:-600} # seconds per program
 
 # Counts the TAP lines of one program's output: "passed failed skipped". Each test that the plan promised and that
 # was not reported failed; so did a program without plan, or one that ended badly without saying why.
