@@ -7,18 +7,15 @@
 
 #include <stdbool.h>
 
-#include "sim_device.h"
+#include "gtsim_usbfs.h"
 
 #define BUS_MAX_DEVICES 2
 
 struct bus_options {
-    int devices;             /* 0..BUS_MAX_DEVICES */
-    struct sim_config board; /* of each device; a second one's serial number ends in "-2" */
-    long long
-        unplug_after; /* bytes of bulk OUT data after which the first device is unplugged for a moment; -1: never */
-    long long freeze_after;    /* the same, and it no longer answers on its bulk endpoints until reopened; -1: never */
-    long long damage_after;    /* the same, and one bit of the next long packet is wrong; -1: never */
-    unsigned protocol_version; /* other than the firmware's own: the devices claim to speak this one */
+    int devices;                /* 0..BUS_MAX_DEVICES */
+    struct sim_config board;    /* of each device; a second one's serial number ends in "-2" */
+    struct usbfs_faults faults; /* of the first device, which comes back a moment after it was unplugged */
+    unsigned protocol_version;  /* other than the firmware's own: the devices claim to speak this one */
 };
 
 struct bus;

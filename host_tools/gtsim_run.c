@@ -36,13 +36,13 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         o->board.table_bank_bytes -= o->board.table_bank_bytes % SIM_FLASH_BLOCK;
         return 0;
     case KEY_UNPLUG:
-        o->unplug_after = parse_long("--unplug-after", arg, 0, 1 << 30);
+        o->faults.unplug_after = parse_long("--unplug-after", arg, 0, 1 << 30);
         return 0;
     case KEY_FREEZE:
-        o->freeze_after = parse_long("--freeze-after", arg, 0, 1 << 30);
+        o->faults.freeze_after = parse_long("--freeze-after", arg, 0, 1 << 30);
         return 0;
     case KEY_DAMAGE:
-        o->damage_after = parse_long("--damage-after", arg, 0, 1 << 30);
+        o->faults.damage_after = parse_long("--damage-after", arg, 0, 1 << 30);
         return 0;
     case KEY_VERSION:
         o->protocol_version = (unsigned)parse_long("--protocol-version", arg, 1, 255);
@@ -76,12 +76,8 @@ const struct argp bus_argp = {options, parse_option, NULL, NULL, children, NULL,
 
 struct bus_options bus_default(void)
 {
-    struct bus_options o = {.devices = 1,
-                            .board = board_default(),
-                            .unplug_after = -1,
-                            .freeze_after = -1,
-                            .damage_after = -1,
-                            .protocol_version = USB_PROTOCOL_VERSION};
+    struct bus_options o = {
+        .devices = 1, .board = board_default(), .faults = {-1, -1, -1}, .protocol_version = USB_PROTOCOL_VERSION};
     o.board.serial = "GT-SIM-0001";
     return o;
 }
