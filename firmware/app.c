@@ -46,7 +46,8 @@ static uint32_t clock_now(const struct app *app)
     return app->hal->clock ? app->hal->clock(app->hal->ctx) : 0;
 }
 
-static struct raster_frame frame_of(const struct app *app)
+/* Bounds are found only for a budget, or where the costs are the clock. */
+static struct raster_frame frame_of(const struct app *app, uint32_t tile_budget)
 {
     const struct app_content *c = &app->content;
     return (struct raster_frame){
@@ -56,9 +57,9 @@ static struct raster_frame frame_of(const struct app *app)
         .lights = c->lights,
         .materials = c->materials,
         .tables = c->table_of_slot,
-        .costs = app->config.costs,
-        .tile_budget = c->tile_budget,
-        .memory = c->tile_budget ? app->config.memory : NULL,
+        .costs = tile_budget || !app->hal->clock ? app->config.costs : NULL,
+        .tile_budget = tile_budget,
+        .memory = tile_budget ? app->config.memory : NULL,
         .width = app->config.width,
         .height = app->config.height,
         .light_count = c->light_count,
@@ -70,8 +71,7 @@ static struct raster_frame frame_of(const struct app *app)
 struct table_store_result app_check_budget(struct app *app, uint32_t tile_budget)
 {
     struct raster *r = &app->frame.raster;
-    struct raster_frame what = frame_of(app);
-    what.tile_budget = tile_budget;
+    const struct raster_frame what = frame_of(app, tile_budget);
     if (tile_budget && raster_begin(r, &what, app->config.arena, content_arena_bytes(app)) == RASTER_ERR_BUDGET)
         return (struct table_store_result){USB_ERR_BUDGET, r->budget_needed};
     return (struct table_store_result){USB_OK, 0}; /* what else may be wrong, the frame will say */
@@ -80,7 +80,7 @@ struct table_store_result app_check_budget(struct app *app, uint32_t tile_budget
 enum raster_status app_frame_begin(struct app *app, bool streamed)
 {
     struct app_frame *f = &app->frame;
-    const struct raster_frame what = frame_of(app);
+    const struct raster_frame what = frame_of(app, app->content.tile_budget);
     uint32_t start = clock_now(app);
     enum raster_status status = raster_begin(&f->raster, &what, app->config.arena, content_arena_bytes(app));
     f->refused = status != RASTER_OK;

@@ -1,8 +1,7 @@
 #include "budget.h"
 
-#define COST_BITS 4
-#define ONE       256u /* of ratios */
-#define PRICE(i)  (1u << (8 + 4 * (i)))
+#define ONE      256u /* of ratios */
+#define PRICE(i) (1u << (8 + 4 * (i)))
 
 /* Modelled ticks of deciding, where there is no clock: a tile's share, a class's rates, a region's. */
 enum { OWN_TILE = 300, OWN_CLASS = 3000, OWN_REGION = 150 };
@@ -29,12 +28,8 @@ struct tile {
 static uint32_t elapsed(const struct tile *k)
 {
     const struct hal *hal = k->b->hal;
-    return hal->clock ? hal->clock(hal->ctx) - k->start : (uint32_t)(k->stats->cost >> COST_BITS) + k->report->own;
-}
-
-static uint32_t least_of(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
+    return hal->clock ? hal->clock(hal->ctx) - k->start
+                      : (uint32_t)(k->stats->cost >> RASTER_COST_BITS) + k->report->own;
 }
 
 static uint32_t ticks_until(const struct tile *k, uint32_t end)
@@ -54,7 +49,8 @@ static uint32_t overhead(const struct raster *r, uint32_t tile)
 {
     const struct raster_costs *c = r->frame.costs;
     const uint32_t shown = r->bounds[tile].shown < RASTER_TILE_PIXELS ? r->bounds[tile].shown : RASTER_TILE_PIXELS;
-    return (c->tile + c->plan + c->survey * RASTER_TILE_PIXELS + c->finished * shown) >> COST_BITS; /* 2^22 2^11 */
+    return (c->tile + c->plan + c->survey * RASTER_TILE_PIXELS + c->finished * shown) >>
+           RASTER_COST_BITS; /* 2^22 2^11 */
 }
 
 void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean)
@@ -109,7 +105,7 @@ static void learn(struct budget_ratio *k, uint32_t over, uint32_t under)
 static void none_planned(struct tile *k)
 {
     k->report->share = k->r->bounds[k->index].least;
-    k->report->predicted = elapsed(k) + (k->r->frame.costs->tile >> COST_BITS);
+    k->report->predicted = elapsed(k) + (k->r->frame.costs->tile >> RASTER_COST_BITS);
 }
 
 /* --- drawing --- */
@@ -186,7 +182,7 @@ static void shade_regions(struct tile *k, uint32_t end, uint32_t finish)
         decided(k, before, OWN_REGION * (p->count + 1));
         raster_tile_shade(k->r, k->work, k->rect, i, &q, k->stats);
         if (!k->b->hal->clock)
-            k->stats->cost += (uint64_t)budget_cells_ticks(p, i, &q) << COST_BITS;
+            k->stats->cost += (uint64_t)budget_cells_ticks(p, i, &q) << RASTER_COST_BITS;
     }
     k->report->lights = p->quality.lights < k->report->lights ? p->quality.lights : k->report->lights;
 }
@@ -199,7 +195,8 @@ static uint32_t finish_ticks(const struct tile *k)
     uint32_t pixels = p->pixels;
     if (k->stats->meshlets >= RASTER_SLOTS) /* some may have their colour */
         pixels = RASTER_TILE_PIXELS;
-    return (c->finished * pixels >> COST_BITS) + (c->tile >> COST_BITS) / 2 + 1; /* 2^20 2^11; an empty one's half */
+    return (c->finished * pixels >> RASTER_COST_BITS) + (c->tile >> RASTER_COST_BITS) / 2 +
+           1; /* 2^20 2^11; an empty one's half */
 }
 
 /* What the tiles to come and this one take at a price, or in full: PRICES. The latter's is in *own. */
@@ -296,7 +293,7 @@ static bool shade_pass(struct tile *k, bool last)
         end = wanted < end ? wanted : end;
     }
     if (last) { /* what is kept for the tile is its own, whatever it needs */
-        const uint32_t kept = least_of(k->r->bounds[k->index].least, k->limit);
+        const uint32_t kept = fx_min_u(k->r->bounds[k->index].least, k->limit);
         end = end > kept ? end : kept;
     }
     k->report->share = end;
@@ -325,7 +322,7 @@ static void render(struct tile *k)
     take_out(k);
     k->survey = (uint32_t)(((uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * k->r->frame.light_count +
                             c->plan) >>
-                           COST_BITS) +
+                           RASTER_COST_BITS) +
                 1;
     decided(k, 0, OWN_TILE);
     none_planned(k);

@@ -4,8 +4,7 @@
  */
 #include "budget.h"
 
-#define COST_BITS  4
-#define BLOCK_COST (2000u << COST_BITS) /* of a block beyond planes, at most */
+#define BLOCK_COST (2000u << RASTER_COST_BITS) /* of a block beyond planes, at most */
 
 /* --- what shading takes --- */
 
@@ -19,22 +18,17 @@ static const struct raster_area *area_of(const struct budget_plan *p, uint32_t i
     return &p->survey->area[p->id[i]][region];
 }
 
-static uint32_t least_of(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
-
 static uint32_t ticks_of(uint64_t cost)
 {
-    return (uint32_t)(cost >> COST_BITS) + 1;
+    return (uint32_t)(cost >> RASTER_COST_BITS) + 1;
 }
 
 /* What a class's samples take at most under at most `lights` lights, of each kind as many as there may be among the strongest. */
 static void units_find(struct budget_units *u, const struct budget_plan *p, uint32_t lights)
 {
     const struct raster_costs *costs = p->r->frame.costs;
-    const uint32_t directional = least_of(p->r->directional, lights),
-                   points = least_of(p->survey->point_lights, lights);
+    const uint32_t directional = fx_min_u(p->r->directional, lights),
+                   points = fx_min_u(p->survey->point_lights, lights);
     u->lights = (uint8_t)lights;
     for (uint32_t i = 0; i < p->count; i++) {
         const struct raster_shading_cost *c = &costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
@@ -69,8 +63,8 @@ static uint64_t most_cost(const struct budget_plan *p, const struct budget_units
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
         return (uint64_t)area->pixels * u->row[i];
     if (rate == RASTER_RATE_FLAT && u->lights <= RASTER_LEAST_LIGHTS)
-        return area_cost(p, area, rate, least_of(area->cells, p->survey->meshlets[p->id[i]]),
-                         p->flat_each << COST_BITS);
+        return area_cost(p, area, rate, fx_min_u(area->cells, p->survey->meshlets[p->id[i]]),
+                         p->flat_each << RASTER_COST_BITS);
     const uint32_t samples = rate == RASTER_RATE_1X1 && !p->last
                                  ? area->pixels
                                  : raster_samples_most(p->r, p->survey, p->id[i], area, (enum raster_rate)rate);
@@ -96,7 +90,7 @@ static uint32_t pass_cost(const struct budget_plan *p, unsigned rate, bool regul
         return c->flat;
     if (regular)
         return c->region + p->planes + BLOCK_COST + cells[rate] * c->cell;
-    return c->region + blocks[rate] * least_of(p->planes + BLOCK_COST + c->cell, 1u << 22);
+    return c->region + blocks[rate] * fx_min_u(p->planes + BLOCK_COST + c->cell, 1u << 22);
 }
 
 /* Of a class in a region, at most, with passes of its own. */
@@ -154,12 +148,12 @@ uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const 
 /* Everything from a region on flat, each meshlet evaluated once. */
 static uint32_t flat_ticks(const struct budget_plan *p, uint32_t region)
 {
-    return p->flat_ticks[region] + least_of(p->flat_cells[region], p->survey->slots) * p->flat_each;
+    return p->flat_ticks[region] + fx_min_u(p->flat_cells[region], p->survey->slots) * p->flat_each;
 }
 
 uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region)
 {
-    return least_of(flat_ticks(p, region), p->last_rung[region]);
+    return fx_min_u(flat_ticks(p, region), p->last_rung[region]);
 }
 
 /* From each region on: flat; and of each class the cheaper of cells of 4 x 4 and flat. */
@@ -193,7 +187,7 @@ static void sum_last_rungs(struct budget_plan *p)
 static bool coarsen(struct raster_quality *q, const struct budget_plan *p, const struct budget_units *u,
                     uint32_t region, uint32_t ticks)
 {
-    while (region_cost(p, u, q, region) >> COST_BITS >= ticks) {
+    while (region_cost(p, u, q, region) >> RASTER_COST_BITS >= ticks) {
         uint32_t dearest = 0;
         uint64_t most = 0;
         unsigned next = RASTER_RATE_COUNT;
@@ -254,7 +248,7 @@ static void expect(struct budget_plan *p, uint32_t lit, uint32_t lights)
 {
     const struct raster_survey *s = p->survey;
     const uint32_t directional = p->r->directional, points = s->point_lights, all = directional + points,
-                   n = least_of(lights, all), likely = all ? directional * n / all : 0;
+                   n = fx_min_u(lights, all), likely = all ? directional * n / all : 0;
     for (uint32_t i = 0; i < p->count; i++) {
         const struct raster_area *total = &s->total[p->id[i]];
         const struct raster_shading_cost *c = &p->r->frame.costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
@@ -267,8 +261,8 @@ static void expect(struct budget_plan *p, uint32_t lit, uint32_t lights)
         if (!p->last)
             samples[RASTER_RATE_1X1] = total->pixels;
         for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
-            uint64_t cost =
-                area_cost(p, total, rate, samples[rate], rate == RASTER_RATE_FLAT ? p->flat_each << COST_BITS : unit);
+            uint64_t cost = area_cost(p, total, rate, samples[rate],
+                                      rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
             /* Classes of one material and rate share a pass; where planes do not hold, some blocks are larger than a cell. */
             if (rate || p->first >> i & 1)
                 cost += (uint64_t)(regions - irregular) * pass_cost(p, rate, true) +

@@ -189,9 +189,10 @@ struct usb_stats {               /* of the last complete frame; totals over its 
     uint32_t begin_ticks;        /* culling and binning */
     uint32_t meshlets_visible;
     uint32_t arena_used;
-    uint32_t tile_budget;        /* as set */
-    uint32_t least_tile_budget;  /* the least that the frame could have had at its levels of detail */
-    uint32_t lod_bias;           /* how often their threshold was doubled, for memory or for the budget */
+    uint32_t tile_budget; /* as set */
+    uint32_t
+        least_tile_budget; /* the least that the frame could have had; 0: not known, without a budget and with a clock */
+    uint32_t lod_bias;     /* how often their threshold was doubled, for memory or for the budget */
     uint32_t tiles_reduced;      /* below full quality */
     uint32_t tiles_coarse;       /* of them, drawn at the coarsest levels of detail */
     uint32_t budget_ticks;       /* spent on deciding, part of the tiles' */

@@ -87,6 +87,11 @@ static inline int32_t fx_min(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
+static inline uint32_t fx_min_u(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
 static inline int32_t fx_max(int32_t a, int32_t b)
 {
     return a > b ? a : b;

@@ -30,9 +30,10 @@ struct binner {
     uint32_t run_count, run_limit;
     struct newest *window; /* NULL: runs are stored; else counted, in the tiles from window_first on */
     uint32_t window_first;
-    uint16_t *heads;             /* where they are stored */
-    bool at_coarsest;            /* every object is taken at its last level, for coarse_heads */
-    struct raster_extent extent; /* of the object in hand */
+    uint16_t *heads;                /* where they are stored */
+    bool at_coarsest;               /* every object is taken at its last level, for coarse_heads */
+    struct magnitude corner_secant; /* with costs */
+    struct raster_extent extent;    /* of the object in hand */
 };
 
 /* Tiles a meshlet touches, and its class. */
@@ -315,7 +316,7 @@ static void bin_object(struct binner *b, const struct raster_object *o, uint32_t
     const struct scene_lod *lod = choose_level(b, o);
     const bool bounded = b->r->bounds && !b->window;
     if (bounded && !b->at_coarsest)
-        raster_extent_setup(&b->extent, b->r, o);
+        raster_extent_setup(&b->extent, b->r, o, b->corner_secant);
     for (uint32_t k = 0; k < lod->meshlet_count && !b->full; k++) {
         uint32_t id = lod->meshlet_first + k;
         const struct scene_meshlet *m = &b->r->frame.scene->meshlets[id];
@@ -448,6 +449,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
         r->objects = (struct raster_object *)(p + fixed_bytes);
         if (f->costs) {
             r->coarse_heads = r->heads + tiles;
+            b.corner_secant = raster_corner_secant(f);
             r->bounds = (struct raster_tile_bound *)(void *)(p + head_bytes + light_bytes);
         }
         raster_view_setup(&r->view, f->camera, f->width, f->height);

@@ -2,13 +2,12 @@
 
 #include "quality.h"
 
-#define COST_BITS 4
 /* A triangle cut by every plane is a polygon of 8 vertices, a fan of 6. */
 #define FAN (CLIP_MAX_VERTICES - 2)
 
 static uint32_t cost_ticks(uint64_t cost)
 {
-    cost = (cost + (1u << COST_BITS) - 1) >> COST_BITS;
+    cost = (cost + (1u << RASTER_COST_BITS) - 1) >> RASTER_COST_BITS;
     return cost < UINT32_MAX ? (uint32_t)cost : UINT32_MAX;
 }
 
@@ -18,8 +17,7 @@ void raster_bounds_clear(struct raster *r)
         r->bounds[t] = (struct raster_tile_bound){0};
 }
 
-/* 1/cos(phi) at the picture's corner, at most: 1 + tan^2(phi)/2. */
-static struct magnitude corner_secant(const struct raster_frame *f)
+struct magnitude raster_corner_secant(const struct raster_frame *f)
 {
     const uint32_t w = f->width, h = f->height;
     const struct magnitude inverse = magnitude_inverse(magnitude_of((uint64_t)h * f->camera->focal));
@@ -42,12 +40,13 @@ static uint32_t full_cost(const struct raster *r, uint32_t material)
     return sum < UINT32_MAX ? (uint32_t)sum : UINT32_MAX;
 }
 
-void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o)
+void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o,
+                         struct magnitude corner_secant)
 {
     uint64_t square = 0; /* of the length of X's row: of rotation times scale; entries below 2^31 */
     for (int j = 0; j < 3; j++)
         square += (uint64_t)((int64_t)o->row[0][j] * o->row[0][j]);
-    e->length = magnitude_mul(magnitude_root(magnitude_of(square)), corner_secant(&r->frame));
+    e->length = magnitude_mul(magnitude_root(magnitude_of(square)), corner_secant);
     /* half sub-pixels times W, with ROW_BITS fraction bits: raster_project */
     e->length.e += 29 - o->shift_xy - ROW_BITS - 9;
     e->pixel_cost = full_cost(r, o->material);

@@ -36,7 +36,10 @@ struct raster_load {
 };
 
 void raster_bounds_clear(struct raster *r);
-void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o);
+/* 1/cos(phi) at the picture's corner, at most: 1 + tan^2(phi)/2. */
+struct magnitude raster_corner_secant(const struct raster_frame *f);
+void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o,
+                         struct magnitude corner_secant);
 /* In: nearest, the box's least depth in W; whether it is drawn by small.c, and whether it may have to be clipped. */
 void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
                       const struct raster_object *o, const struct scene_meshlet *m, int32_t nearest, bool small,

@@ -41,11 +41,6 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
     return error < 1u << 28 ? (uint32_t)error : 1u << 28;
 }
 
-static uint32_t lesser(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
-
 /* Rounded down. In: x < 2^22. */
 static uint32_t square_root(uint32_t x)
 {
@@ -60,10 +55,10 @@ uint32_t raster_samples_most(const struct raster *r, const struct raster_survey 
                              const struct raster_area *a, enum raster_rate rate)
 {
     if (rate == RASTER_RATE_FLAT)
-        return lesser(a->cells, s->meshlets[class_id]);
+        return fx_min_u(a->cells, s->meshlets[class_id]);
     if (rate == RASTER_RATE_1X1 && !r->sample_shift)
         return a->pixels;
-    return lesser((uint32_t)a->cells << (4 - raster_cell_shift[rate][0] - raster_cell_shift[rate][1]), a->pixels);
+    return fx_min_u((uint32_t)a->cells << (4 - raster_cell_shift[rate][0] - raster_cell_shift[rate][1]), a->pixels);
 }
 
 void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
@@ -82,7 +77,7 @@ void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct ras
         samples[rate] = n;
     }
     samples[RASTER_RATE_4X4] = a->cells;
-    samples[RASTER_RATE_FLAT] = lesser(a->cells, s->meshlets[class_id]);
+    samples[RASTER_RATE_FLAT] = fx_min_u(a->cells, s->meshlets[class_id]);
 }
 
 uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,
@@ -94,43 +89,4 @@ uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *
                                      raster_block_regular(r, rect->x + x, rect->y + y, RASTER_REGION_SHIFT)))
         return 1;
     return 1u << 2 * (RASTER_REGION_SHIFT - raster_cell_shift[rate][0]);
-}
-
-void raster_work_area(struct raster_work *w, const struct raster *r, const struct raster_area *area)
-{
-    const uint32_t filled = (uint32_t)area->pixels >> (4 + 2 * r->sample_shift);
-    w->pixels = area->pixels;
-    w->parts = area->cells;
-    w->mixed = area->cells > filled ? area->cells - filled : 0;
-}
-
-static uint64_t cells_cost(const struct raster_costs *c, const struct raster_work *w)
-{
-    if (w->rate == RASTER_RATE_1X1)
-        return (uint64_t)w->mixed * c->run;
-    const uint64_t copied = (uint64_t)w->pixels * c->copied;
-    if (w->rate == RASTER_RATE_FLAT)
-        return copied;
-    const uint32_t edges = 2 * RASTER_REGION_SHIFT - raster_cell_shift[w->rate][0] - raster_cell_shift[w->rate][1];
-    const uint32_t cells = w->exact ? w->blocks : w->blocks << edges; /* exact blocks are of a cell */
-    return copied + (uint64_t)cells * c->cell + (uint64_t)w->parts * c->part + (uint64_t)w->mixed * c->mixed;
-}
-
-uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_work *w)
-{
-    const uint32_t lit = c->shading[w->shading].lit, dark = c->shading[w->shading].dark,
-                   point = c->shading[w->shading].point;
-    /* Where planes do not hold, directional lights are found at every sample, as point lights are. */
-    const uint64_t light = w->exact ? point : ((uint64_t)lit * w->lit + (uint64_t)dark * (256 - w->lit)) >> 8;
-    uint64_t sample = c->shading[w->shading].sample + w->directional * light + (uint64_t)w->points * point;
-    if (w->rate == RASTER_RATE_FLAT)
-        sample = w->directional + w->points <= RASTER_LEAST_LIGHTS
-                     ? c->shading[w->shading].flat
-                     : c->shading[w->shading].sample + (uint64_t)(w->directional + w->points) * point;
-    /* Sums of a tile: 2^12 samples, 2^8 lights, costs of less than 2^32 each */
-    const uint64_t sum = w->samples * sample + cells_cost(c, w) +
-                         w->blocks * (w->rate == RASTER_RATE_FLAT
-                                          ? c->flat
-                                          : c->region + (uint64_t)w->directional * c->shading[w->shading].material);
-    return sum >> 4 < UINT32_MAX ? (uint32_t)(sum >> 4) + 1 : UINT32_MAX;
 }

@@ -101,6 +101,7 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
  * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make
  * calibrate. One table for each target.
  */
+#define RASTER_COST_BITS 4u
 struct raster_costs {
     uint32_t tile;     /* clearing, finishing an empty one */
     uint32_t meshlet;  /* set-up */
@@ -141,23 +142,5 @@ void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct ras
 /* How many blocks, with planes of their own, a region is shaded in: 1 but near directions that a light comes from or goes to. */
 uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,
                               enum raster_rate rate);
-
-/* Shading of one material at one rate, in a region or several. */
-struct raster_work {
-    enum raster_shading shading;
-    enum raster_rate rate;
-    uint32_t pixels, samples;     /* below 2^16 each; of 4 per pixel, pixels are samples of coverage */
-    uint32_t parts, mixed;        /* see raster_work_area */
-    uint32_t blocks;              /* summed over regions */
-    bool exact;                   /* some region takes more than one */
-    uint32_t directional, points; /* lights, at most 128 */
-    uint32_t lit; /* the share of pixel-lights of directional ones that are lit, 256: all, which is the upper bound */
-};
-
-/* Sets pixels, parts (pairs of a cell of 4 x 4 pixels and a meshlet) and mixed (those beyond the cells that the pixels would fill). */
-void raster_work_area(struct raster_work *w, const struct raster *r, const struct raster_area *area);
-
-/* Its ticks, rounded up. An upper bound where samples, blocks and lights are the most they may be, and `lit` is 256. */
-uint32_t raster_shading_ticks(const struct raster_costs *c, const struct raster_work *w);
 
 #endif

@@ -25,20 +25,13 @@ struct shading {
     bool flat;              /* a meshlet has one colour */
 };
 
-static raster_model *find_model(const struct raster *r, const struct scene_material *m)
-{
-    switch (m->kind) {
-    case SCENE_MATERIAL_MEASURED:
-        return r->frame.tables[m->slot]->kind == LUT_HALF_VECTOR ? raster_shade_half_vector
-                                                                 : raster_shade_specular_frame;
-    case SCENE_MATERIAL_BLINN_PHONG:
-        return raster_shade_blinn_phong;
-    case SCENE_MATERIAL_METALLIC_ROUGHNESS:
-        return raster_shade_metallic_roughness;
-    default:
-        return raster_shade_lafortune_phong;
-    }
-}
+static raster_model *const models[RASTER_SHADE_DIFFUSE_ROW] = {
+    [RASTER_SHADE_HALF_VECTOR] = raster_shade_half_vector,
+    [RASTER_SHADE_SPECULAR_FRAME] = raster_shade_specular_frame,
+    [RASTER_SHADE_LAFORTUNE_PHONG] = raster_shade_lafortune_phong,
+    [RASTER_SHADE_BLINN_PHONG] = raster_shade_blinn_phong,
+    [RASTER_SHADE_METALLIC_ROUGHNESS] = raster_shade_metallic_roughness,
+};
 
 /* Keeps it below 2^31. */
 static void limit_radiance(struct raster_batch *b)
@@ -100,7 +93,7 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[o->material];
-    raster_model *model = find_model(r, m);
+    raster_model *model = models[raster_shading_of(r, o->material, RASTER_RATE_FLAT)]; /* never in rows */
     const struct raster_shading_cost *c = &costs_of(r)->shading[raster_shading_of(r, o->material, RASTER_RATE_4X4)];
     uint32_t lit = 0;
     uint64_t cost = (uint64_t)b->count * c->sample;

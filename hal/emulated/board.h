@@ -51,6 +51,9 @@ void report_text(const char *text);
 void report_number(const char *label, uint32_t value); /* " label value" */
 void report_hex(const char *label, uint32_t value);    /* " label 0123abcd" */
 
+/* Says why on a line and leaves the emulator with BOARD_EXIT_FAILED. */
+_Noreturn void report_failure(const char *why);
+
 /* FNV-1a, 32 bits. Start with REPORT_HASH_START. */
 #define REPORT_HASH_START 2166136261u
 uint32_t report_hash(uint32_t hash, const void *data, size_t bytes);

@@ -28,13 +28,6 @@ static int display_write(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t
     return HAL_OK;
 }
 
-static _Noreturn void fail(const char *why)
-{
-    report_text(why);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
-}
-
 _Noreturn void board_main(void)
 {
     struct hal hal = board_unplugged;
@@ -58,13 +51,13 @@ _Noreturn void board_main(void)
         .serial = "GT-EMULATED",
     };
     if (app_init(&app, &hal, &config) != APP_OK)
-        fail("the firmware refuses its configuration");
+        report_failure("the firmware refuses its configuration");
     if (!app.content.has_scene)
-        fail("no scene in the flash image");
+        report_failure("no scene in the flash image");
     while (app.frames < FRAMES) {
         app_poll(&app);
         if (app.frame.refused)
-            fail("the frame cannot begin: a table or memory is missing");
+            report_failure("the frame cannot begin: a table or memory is missing");
     }
     report_text("frame");
     report_hex("hash", report_hash(REPORT_HASH_START, board_picture, BOARD_WIDTH * BOARD_HEIGHT * PIXEL_BYTES));

@@ -29,6 +29,13 @@ void report_hex(const char *label, uint32_t value)
         board_put("0123456789abcdef"[value >> shift & 15]);
 }
 
+_Noreturn void report_failure(const char *why)
+{
+    report_text(why);
+    report_text("\n");
+    board_exit(BOARD_EXIT_FAILED);
+}
+
 uint32_t report_hash(uint32_t hash, const void *data, size_t bytes)
 {
     const uint8_t *p = data;

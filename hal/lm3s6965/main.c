@@ -6,7 +6,7 @@
  */
 #include "app.h"
 #include "board.h"
-#include "costs/cortex_m7.h"
+#include "costs/cortex_m3.h"
 #include "image.h"
 #include "oled.h"
 
@@ -28,13 +28,6 @@ static int display_write(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t
     return HAL_OK;
 }
 
-static _Noreturn void fail(const char *why)
-{
-    report_text(why);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
-}
-
 _Noreturn void board_main(void)
 {
     struct hal hal = board_unplugged;
@@ -51,18 +44,18 @@ _Noreturn void board_main(void)
         .scene_bank_bytes = IMAGE_SCENE_BANK_BYTES,
         .arena = arena,
         .arena_bytes = sizeof arena,
-        .costs = &costs_cortex_m7,
+        .costs = &costs_cortex_m3,
         .serial = "GT-LM3S6965",
     };
     oled_init();
     if (app_init(&app, &hal, &config) != APP_OK)
-        fail("the firmware refuses its configuration");
+        report_failure("the firmware refuses its configuration");
     if (!app.content.has_scene)
-        fail("no scene in the flash image");
+        report_failure("no scene in the flash image");
     while (app.frames == 0) {
         app_poll(&app);
         if (app.frame.refused)
-            fail("the frame cannot begin: a table or memory is missing");
+            report_failure("the frame cannot begin: a table or memory is missing");
     }
     report_text("frame");
     report_number("instructions", app.stats.begin_ticks + app.stats.total.ticks);

@@ -4,7 +4,7 @@
  */
 #include "app.h"
 #include "board.h"
-#include "costs/cortex_m7.h"
+#include "costs/cortex_m4.h"
 #include "mailbox_usb.h"
 
 enum { ARENA_BYTES = 64 * 1024, FLASH_BLOCK_BYTES = 4096 };
@@ -13,13 +13,6 @@ _Static_assert(BOARD_FLASH_BYTES <= MAILBOX_OFFSET, "external memory");
 
 static struct app app;
 static uint64_t arena[ARENA_BYTES / 8];
-
-static _Noreturn void fail(const char *why)
-{
-    report_text(why);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
-}
 
 static uint8_t *external(uint32_t offset)
 {
@@ -30,7 +23,7 @@ static int flash_erase(void *ctx, uint32_t offset)
 {
     (void)ctx;
     if (offset % FLASH_BLOCK_BYTES || offset >= BOARD_FLASH_BYTES)
-        fail("flash: erase outside the blocks");
+        report_failure("flash: erase outside the blocks");
     __builtin_memset(external(offset), 0xff, FLASH_BLOCK_BYTES);
     return HAL_OK;
 }
@@ -39,10 +32,10 @@ static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t 
 {
     (void)ctx;
     if (offset % 4 || bytes % 4 || offset > BOARD_FLASH_BYTES || bytes > BOARD_FLASH_BYTES - offset)
-        fail("flash: program outside the words");
+        report_failure("flash: program outside the words");
     for (uint32_t i = 0; i < bytes; i++)
         if (external(offset)[i] != 0xff)
-            fail("flash: program of a word that is not erased");
+            report_failure("flash: program of a word that is not erased");
     __builtin_memcpy(external(offset), data, bytes);
     return HAL_OK;
 }
@@ -64,11 +57,11 @@ _Noreturn void board_main(void)
         .scene_bank_bytes = BOARD_SCENE_BANK_BYTES,
         .arena = arena,
         .arena_bytes = sizeof arena,
-        .costs = &costs_cortex_m7,
+        .costs = &costs_cortex_m4,
         .serial = "GT-MPS2-0001",
     };
     if (app_init(&app, &hal, &config) != APP_OK)
-        fail("the firmware refuses its configuration");
+        report_failure("the firmware refuses its configuration");
     mailbox_open(&hal, (struct mailbox *)(void *)external(MAILBOX_OFFSET));
     report_text("on\n");
     for (;;)

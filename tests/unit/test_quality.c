@@ -1,5 +1,5 @@
 /*
- * What rungs of shading are said to take, by hand; and that no surface of a box gets more of a light than is said.
+ * How many samples rungs of shading are said to take, by hand; and that no surface of a box gets more of a light than is said.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,45 +53,6 @@ static void no_point_of_a_box_gets_more_light(void **state)
     assert_true(reached > 10000);
 }
 
-static void ticks_are_the_sum_of_what_is_done(void **state)
-{
-    struct raster_costs c = {
-        .region = 1600, .flat = 4000, .copied = 32, .cell = 16, .part = 48, .mixed = 80, .run = 64};
-    (void)state;
-    c.shading[RASTER_SHADE_BLINN_PHONG].material = 800;
-    c.shading[RASTER_SHADE_BLINN_PHONG].sample = 480;
-    c.shading[RASTER_SHADE_BLINN_PHONG].lit = 320;
-    c.shading[RASTER_SHADE_BLINN_PHONG].dark = 64;
-    c.shading[RASTER_SHADE_BLINN_PHONG].point = 1600;
-    c.shading[RASTER_SHADE_BLINN_PHONG].flat = 3200;
-    struct raster_work w = {.shading = RASTER_SHADE_BLINN_PHONG,
-                            .rate = RASTER_RATE_2X2,
-                            .pixels = 100,
-                            .samples = 30,
-                            .parts = 12,
-                            .mixed = 6,
-                            .blocks = 2,
-                            .directional = 3,
-                            .points = 1,
-                            .lit = 256};
-    const uint32_t all = 30 * (30 + 3 * 20 + 100) + 100 * 2 + 2 * (100 + 3 * 50), cells = 128 + 12 * 3 + 6 * 5;
-    assert_int_equal(raster_shading_ticks(&c, &w), all + cells + 1);
-    w.lit = 128; /* 12 a light */
-    assert_int_equal(raster_shading_ticks(&c, &w), all + cells - 30 * 3 * 8 + 1);
-    w.exact = true;
-    assert_int_equal(raster_shading_ticks(&c, &w), all + cells + 30 * 3 * 80 - 126 + 1);
-    w.exact = false;
-    w.lit = 256;
-    w.rate = RASTER_RATE_1X1; /* nothing is copied */
-    assert_int_equal(raster_shading_ticks(&c, &w), all - 200 + 6 * 4 + 1);
-    w.rate = RASTER_RATE_FLAT;
-    assert_int_equal(raster_shading_ticks(&c, &w), 30 * 200 + 200 + 500 + 1);
-    w.points = 2; /* more lights than the last rung's */
-    assert_int_equal(raster_shading_ticks(&c, &w), 30 * (30 + 5 * 100) + 200 + 500 + 1);
-    memset(&c, 255, sizeof c);
-    assert_int_equal(raster_shading_ticks(&c, &w), UINT32_MAX);
-}
-
 /* A square of a x a pixels anywhere among cells meets so many of them on average. */
 static void likely_samples_are_those_of_squares(void **state)
 {
@@ -116,7 +77,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_point_of_a_box_gets_more_light),
-        cmocka_unit_test(ticks_are_the_sum_of_what_is_done),
         cmocka_unit_test(likely_samples_are_those_of_squares),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

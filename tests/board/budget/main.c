@@ -46,11 +46,8 @@ static const struct budget_input *input(void)
 
 static void checked(bool right, const char *wrong)
 {
-    if (right)
-        return;
-    report_text(wrong);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
+    if (!right)
+        report_failure(wrong);
 }
 
 static uint32_t draw(uint32_t below)

@@ -38,11 +38,8 @@ __attribute__((noinline)) static uint32_t clock_now(void)
 
 static void checked(bool right, const char *wrong)
 {
-    if (right)
-        return;
-    report_text(wrong);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
+    if (!right)
+        report_failure(wrong);
 }
 
 static void open_input(void)

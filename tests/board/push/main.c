@@ -79,13 +79,6 @@ static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t 
     return HAL_OK;
 }
 
-static _Noreturn void fail(const char *why)
-{
-    report_text(why);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
-}
-
 _Noreturn void board_main(void)
 {
     struct hal hal = board_unplugged;
@@ -110,7 +103,7 @@ _Noreturn void board_main(void)
     hal.write_allowed = NULL;
     __builtin_memset(flash_bytes(), 0xff, FLASH_BYTES);
     if (app_init(&app, &hal, &config) != APP_OK)
-        fail("the firmware refuses its configuration");
+        report_failure("the firmware refuses its configuration");
     while (app.usb.state != USB_STATE_CONFIGURED)
         app_poll(&app);
     bus.requests = board_input + sizeof sizes;
@@ -124,7 +117,7 @@ _Noreturn void board_main(void)
     }
     uint32_t instructions = board_clock() - start - bus.erasing;
     if (bus.refused || app.store.slots[1].length != sizes[0])
-        fail("the push failed");
+        report_failure("the push failed");
     report_text("push");
     report_number("bytes", sizes[0]);
     report_number("replies", bus.replies);

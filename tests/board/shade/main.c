@@ -39,11 +39,8 @@ __attribute__((noinline)) static uint32_t picture(bool shade)
 
 static void checked(const char *wrong)
 {
-    if (!wrong)
-        return;
-    report_text(wrong);
-    report_text("\n");
-    board_exit(BOARD_EXIT_FAILED);
+    if (wrong)
+        report_failure(wrong);
 }
 
 /* To one decimal. */

@@ -31,11 +31,8 @@ _Noreturn void board_main(void)
     static const struct lut_table *const no_tables[RASTER_MAX_SLOTS];
     const struct scene_header *h = (const struct scene_header *)(const void *)board_input;
     enum scene_status opened = scene_open(&scene, board_input, h->total_bytes);
-    if (opened != SCENE_OK) {
-        report_text(scene_status_text(opened));
-        report_text("\n");
-        board_exit(BOARD_EXIT_FAILED);
-    }
+    if (opened != SCENE_OK)
+        report_failure(scene_status_text(opened));
     struct raster_frame frame = {.scene = &scene,
                                  .camera = &h->camera,
                                  .output = &h->output,
@@ -50,11 +47,8 @@ _Noreturn void board_main(void)
     uint32_t start = board_clock();
     frame_render(&frame, false);
     uint32_t instructions = board_clock() - start;
-    if (status != RASTER_OK) {
-        report_text(raster_status_text(status));
-        report_text("\n");
-        board_exit(BOARD_EXIT_FAILED);
-    }
+    if (status != RASTER_OK)
+        report_failure(raster_status_text(status));
     report_text("frame");
     report_hex("hash", report_hash(REPORT_HASH_START, board_picture, WIDTH * HEIGHT * 2));
     report_number("instructions", instructions);
