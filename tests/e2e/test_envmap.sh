@@ -1,20 +1,6 @@
 #!/usr/bin/env bash
 # From an environment map to a picture on the simulated device: gtscene build --envmap, what it accepts and refuses.
-. tests/tap.sh
-B=${B:-build}
-G=$B/gtscene
-
-# refused code pattern command...: that exit code, the pattern in one message on stderr, nothing on stdout, no file
-refused() {
-    local code=$1 pattern=$2 got
-    shift 2
-    "$@" >"$work/out" 2>"$work/err"
-    got=$?
-    cat "$work/err"
-    [ $got = "$code" ] || { echo "exit code $got, not $code"; return 1; }
-    [ "$(wc -l <"$work/err")" = 1 ] && grep -qE -e "$pattern" "$work/err" || { echo "no single message like: $pattern"; return 1; }
-    [ ! -s "$work/out" ] && [ ! -e "$work/x.blob" ] || { echo "output"; return 1; }
-}
+. tests/e2e/gtscene_common.sh
 
 # Radiance files of 64 x 32 pixels, without compression.
 cat >"$work/map.mjs" <<'JS'

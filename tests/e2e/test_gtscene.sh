@@ -1,20 +1,6 @@
 #!/usr/bin/env bash
 # gtscene's command line: what it accepts, what it refuses and how it says so.
-. tests/tap.sh
-G=${B:-build}/gtscene
-
-# refused code pattern command...: that exit code, the pattern in one message on stderr, nothing on stdout
-refused() {
-    local code=$1 pattern=$2 got
-    shift 2
-    "$@" >"$work/out" 2>"$work/err"
-    got=$?
-    cat "$work/err"
-    [ $got = "$code" ] || { echo "exit code $got, not $code"; return 1; }
-    grep -qE "$pattern" "$work/err" || { echo "no message like: $pattern"; return 1; }
-    [ ! -s "$work/out" ] || { echo "output on stdout"; return 1; }
-    [ ! -e "$work/x.blob" ] && [ -z "$(find "$work" -name '.*tmp*')" ] || { echo "left an output file"; return 1; }
-}
+. tests/e2e/gtscene_common.sh
 
 # A small scene with a given line changed by a sed expression.
 scene() { # sed_expression

@@ -9,32 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brdf_fixture.h"
 #include "host_environment.h"
-#include "ref_models.h"
 
 static const double pi = 3.14159265358979323846;
 static const double up[3] = {0, 0, 1};
 
-static void model_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
-{
-    ref_model_value(rgb, ctx, up, l, v);
-}
-
-static const struct ref_material lambert = {.kind = REF_LAMBERT, .kd = {0.8, 0.5, 0.2}};
-static const struct ref_material rough = {
-    .kind = REF_MICROFACET, .kd = {0.5, 0.3, 0.1}, .roughness = 0.6, .eta = {1.5, 1.5, 1.5}};
 static const struct ref_material shiny = {
     .kind = REF_MICROFACET, .roughness = 0.25, .eta = {0.2, 0.9, 1.1}, .k = {3.9, 2.4, 2.2}};
 
 static struct brdf_source source_of(const struct ref_material *m)
 {
     return (struct brdf_source){.value = model_value, .ctx = (void *)m};
-}
-
-static double random_unit(uint32_t *state)
-{
-    *state = *state * 1664525 + 1013904223;
-    return (*state >> 8) * 0x1p-24;
 }
 
 static void random_direction(double d[3], uint32_t *state)

@@ -8,16 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brdf_fixture.h"
 #include "envlight_fixture.h"
-#include "ref_models.h"
 
 enum { WIDTH = 64, HEIGHT = 32 };
-
-static double random_unit(uint32_t *state)
-{
-    *state = *state * 1664525 + 1013904223;
-    return (*state >> 8) * 0x1p-24;
-}
 
 static void pixel_set(float *map, int x, int y, double r, double g, double b)
 {
