@@ -59,12 +59,6 @@ static void outdoor_map(struct environment *e)
     map_make(e, map);
 }
 
-static void model_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
-{
-    static const double up[3] = {0, 0, 1};
-    ref_model_value(rgb, ctx, up, l, v);
-}
-
 static void irradiance_sum(double sum[3], const struct envmap_light *lights, unsigned count)
 {
     memset(sum, 0, 3 * sizeof *sum);
@@ -172,9 +166,10 @@ static void differences(double out[3], const struct environment *e, const struct
 static void sixteen_lights_show_a_sphere_nearly_as_the_map_does(void **state)
 {
     (void)state;
-    static const struct ref_material rough = {
+    static const struct ref_material fairly_rough = {
         .kind = REF_MICROFACET, .kd = {0.5, 0.3, 0.1}, .roughness = 0.7, .eta = {1.5, 1.5, 1.5}};
-    const struct brdf_source white = {.value = envlight_white}, plastic = {.value = model_value, .ctx = (void *)&rough};
+    const struct brdf_source white = {.value = envlight_white},
+                             plastic = {.value = model_value, .ctx = (void *)&fairly_rough};
     struct environment e;
     double de[3];
     outdoor_map(&e);
