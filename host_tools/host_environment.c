@@ -33,13 +33,6 @@ void environment_direction(double d[3], const struct environment *e, double x, d
     d[2] = cos(latitude) * cos(longitude);
 }
 
-void environment_point(double *x, double *y, const struct environment *e, const double d[3])
-{
-    double latitude = atan2(d[1], hypot(d[0], d[2])), longitude = atan2(d[0], d[2]);
-    *x = (0.5 - longitude / (2 * pi)) * e->width;
-    *y = (0.5 - latitude / pi) * e->height;
-}
-
 /* Of the part of a column between two heights. */
 static double band(const struct environment *e, double y0, double y1)
 {

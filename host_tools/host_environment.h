@@ -29,9 +29,6 @@ void environment_free(struct environment *e);
 /* Unit vector towards the point (x, y) of the map, 0..width and 0..height from its upper left corner: + 0.5 for a pixel's middle. */
 void environment_direction(double d[3], const struct environment *e, double x, double y);
 
-/* The reverse; d of any length but 0. */
-void environment_point(double *x, double *y, const struct environment *e, const double d[3]);
-
 /* Of each pixel in the row, in steradians; 4 pi over all pixels. */
 double environment_solid_angle(const struct environment *e, int row);
 

@@ -66,6 +66,14 @@ static void sunny_map(struct environment *e, int width, int height, uint32_t see
     free(rgb);
 }
 
+/* The reverse of environment_direction. */
+static void map_point(double *x, double *y, const struct environment *e, const double d[3])
+{
+    double latitude = atan2(d[1], hypot(d[0], d[2])), longitude = atan2(d[0], d[2]);
+    *x = (0.5 - longitude / (2 * pi)) * e->width;
+    *y = (0.5 - latitude / pi) * e->height;
+}
+
 static void directions_are_those_of_the_pixels(void **state)
 {
     (void)state;
@@ -83,7 +91,7 @@ static void directions_are_those_of_the_pixels(void **state)
     for (int i = 0; i < 1000; i++) {
         double px = 36 * random_unit(&seed), py = 17 * random_unit(&seed);
         environment_direction(d, &e, px, py);
-        environment_point(&x, &y, &e, d);
+        map_point(&x, &y, &e, d);
         assert_true(fabs(x - px) < 1e-9 && fabs(y - py) < 1e-9);
     }
     for (int row = 0; row < 17; row++)
