@@ -206,7 +206,7 @@ $(AMALGAMATION).c: host_tools/amalgamate.sh LICENSE $(wildcard lut/*.[ch] raster
 VERSION = $(shell grep -oE '[0-9]+[.][0-9]+[.][0-9]+' lut/goniotile_version.h)
 BIN := $(DESTDIR)$(PREFIX)/bin
 INC := $(DESTDIR)$(PREFIX)/include/goniotile
-PUBLIC_H := $(addprefix lut/,fixed.h func.h goniotile_version.h ktx2.h lut.h rgb9e5.h) raster/quality.h raster/raster.h raster/scene.h hal/hal.h \
+PUBLIC_H := $(addprefix lut/,fixed.h func.h goniotile_version.h ktx2.h lut.h rgb9e5.h) raster/parts.h raster/quality.h raster/raster.h raster/scene.h hal/hal.h \
             $(addprefix firmware/,app.h budget.h crc32.h protocol.h table_store.h usb_device.h usb_protocol.h)
 MAN := $(DESTDIR)$(PREFIX)/share/man/man1
 .PHONY: man deps-man

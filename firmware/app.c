@@ -15,7 +15,7 @@ static bool config_valid(const struct app_config *c)
         c->format > RASTER_RGB888 || (c->samples > 1 && c->samples != 4) || c->slot_count < 2 ||
         c->slot_count > USB_MAX_SLOTS)
         return false;
-    if (!c->arena || (uintptr_t)c->arena % 8 != 0 || !c->costs || !c->serial)
+    if (!c->parts || !c->arena || (uintptr_t)c->arena % 8 != 0 || !c->costs || !c->serial)
         return false;
     size_t n = 0;
     while (n <= USB_MAX_SERIAL_CHARS && c->serial[n])
@@ -51,6 +51,7 @@ static struct raster_frame frame_of(const struct app *app, uint32_t tile_budget)
 {
     const struct app_content *c = &app->content;
     return (struct raster_frame){
+        .parts = app->config.parts,
         .scene = &c->scene,
         .camera = &c->camera,
         .output = &c->output,

@@ -14,13 +14,14 @@
 #include "usb_protocol.h"
 
 struct app_config {
-    uint16_t width, height;    /* of the picture */
-    uint8_t format;            /* enum raster_format, for display and USB */
-    uint8_t samples;           /* per pixel: 4 smooths edges, 0 or 1 not; see raster_frame */
-    uint8_t slot_count;        /* 2..USB_MAX_SLOTS: the scene's and the table slots */
-    uint32_t scene_bank_bytes; /* of slot 0, a multiple of the flash block; 0: an equal share of the flash for
+    uint16_t width, height;           /* of the picture */
+    uint8_t format;                   /* enum raster_format, for display and USB */
+    uint8_t samples;                  /* per pixel: 4 smooths edges, 0 or 1 not; see raster_frame */
+    uint8_t slot_count;               /* 2..USB_MAX_SLOTS: the scene's and the table slots */
+    uint32_t scene_bank_bytes;        /* of slot 0, a multiple of the flash block; 0: an equal share of the flash for
                                   every bank */
-    void *arena;               /* 8-aligned: bins and transforms of a frame, and what the host has set */
+    const struct raster_parts *parts; /* of the renderer, that the firmware has: scenes that need others are refused */
+    void *arena;                      /* 8-aligned: bins and transforms of a frame, and what the host has set */
     size_t arena_bytes;
     const struct raster_costs *costs;  /* of the target (hal/costs): what a budget goes by, and ticks without a clock */
     uint32_t tile_budget;              /* ticks per tile on average until the host sets another; 0: no limit */

@@ -149,6 +149,8 @@ static void frame_serve(struct app *app)
     enum raster_status status = app_frame_begin(app, true);
     if (status == RASTER_ERR_TABLE)
         reply(app, USB_ERR_TABLE, app->frame.raster.bad_material);
+    else if (status == RASTER_ERR_MODEL)
+        reply(app, USB_ERR_MODEL, app->frame.raster.bad_material);
     else if (status == RASTER_ERR_ARENA)
         reply(app, USB_ERR_MEMORY, (uint32_t)app->frame.raster.arena_needed);
     else if (status == RASTER_ERR_BUDGET)

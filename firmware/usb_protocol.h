@@ -78,6 +78,7 @@ enum usb_status {
     USB_ERR_MEMORY,     /* frame, SELECT or SET refused: arena too small: detail = bytes needed */
     USB_ERR_DAMAGED, /* the check differs: nothing was done; of DATA detail = expected offset, else the OUT endpoint stalls */
     USB_ERR_BUDGET, /* set or frame refused: the scene as the camera sees it takes more than the budget: detail = the least */
+    USB_ERR_MODEL, /* frame refused: the firmware is without the model of a material: detail = material index */
     USB_STATUS_COUNT
 };
 

@@ -316,6 +316,8 @@ static const struct {
     [USB_ERR_DAMAGED] = {"the request arrived damaged", "try again; check the cable"},
     [USB_ERR_TABLE] = {"the table slot of material %u is empty", "push a table to it or select another slot"},
     [USB_ERR_BUDGET] = {"the scene needs %u ticks per tile", "give a larger budget, 0 for none, or simplify the scene"},
+    [USB_ERR_MODEL] = {"the device is built without the model of material %u",
+                       "give it another one in the scene, or use other firmware"},
     [USB_ERR_MEMORY] = {"the frame needs %u bytes of memory, more than the device has", "simplify the scene"},
 };
 

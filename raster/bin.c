@@ -4,6 +4,7 @@
  * The arena holds, in this order: list heads, lights, objects in view, runs (internal.h), which are a tile's list. Ids of 16 bits name
  * what is in the arena, not what is in the world. A meshlet is bound by its box's projection, not by a sphere: half as many entries.
  */
+#include "block.h"
 #include "bound.h"
 
 #define FIRST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
@@ -53,6 +54,8 @@ const char *raster_status_text(enum raster_status s)
         "a measured material's slot holds no table",
         "more than 65535 runs of meshlets in tiles, even at the coarsest levels of detail",
         "the tiles' budget is too small for this frame, even at the coarsest levels of detail",
+        "a material asks for a model that this program is without",
+        "a light is a point light, which this program is without",
     };
     return (unsigned)s < RASTER_STATUS_COUNT ? text[s] : "unknown raster status";
 }
@@ -412,7 +415,14 @@ static enum raster_status check_frame(struct raster *r, const struct raster_fram
             r->bad_material = f->scene->objects[i].material;
             return RASTER_ERR_TABLE;
         }
+        if (!raster_model_of(f, m)) {
+            r->bad_material = f->scene->objects[i].material;
+            return RASTER_ERR_MODEL;
+        }
     }
+    for (uint32_t i = 0; i < f->light_count; i++)
+        if (f->lights[i].kind == SCENE_LIGHT_POINT && !f->parts->point_lights)
+            return RASTER_ERR_POINT;
     return RASTER_OK;
 }
 

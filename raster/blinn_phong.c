@@ -7,7 +7,7 @@
  */
 #include "block.h"
 
-uint32_t raster_shade_blinn_phong(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+static uint32_t shade_blinn_phong(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
                                   const struct raster_block_light *light)
 {
     const struct scene_material *m = &r->frame.materials[b->material];
@@ -32,3 +32,17 @@ uint32_t raster_shade_blinn_phong(struct raster_batch *b, uint32_t first, uint32
     }
     return lit;
 }
+
+/* (n.h)^n is (1 - sin^2)^(n/2). */
+static void blinn_lobe(struct raster_lobe *l, const struct scene_material *m)
+{
+    raster_lobe_setup(l, m->exponent >> 1);
+}
+
+static void blinn_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure)
+{
+    raster_add_ambient(b, m, fx_mulhi_u(exposure, 269860937), 1u << 20); /* 0.02 pi */
+}
+
+const struct raster_model raster_blinn_phong_model = {
+    .shading = RASTER_SHADE_BLINN_PHONG, .shade = shade_blinn_phong, .lobe = blinn_lobe, .ambient = blinn_ambient};

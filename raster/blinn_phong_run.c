@@ -22,10 +22,9 @@ static uint32_t squarings_of(uq16_16_t exponent)
     return exponent >= 2 << 16 && !(exponent & (exponent - 1)) ? 14 - fx_clz(exponent) : MAX_SQUARINGS + 1;
 }
 
-bool raster_has_blinn_phong_run(const struct raster *r, const struct scene_material *m)
+static bool takes_exponent(const struct raster *r, const struct scene_material *m)
 {
-    return m->kind == SCENE_MATERIAL_BLINN_PHONG && squarings_of(m->exponent) <= MAX_SQUARINGS &&
-           r->view.axis >= MIN_AXIS;
+    return squarings_of(m->exponent) <= MAX_SQUARINGS && r->view.axis >= MIN_AXIS;
 }
 
 struct run_light {
@@ -148,7 +147,7 @@ static void run_colour_setup(struct raster_batch *b, const struct raster *r, uin
         }
 }
 
-void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+static void shade_blinn_phong_row(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
                                   const struct raster_surface *s, uint32_t x, uint32_t y, uint32_t count)
 {
     const struct scene_material *m = &r->frame.materials[slot->material];
@@ -189,3 +188,5 @@ void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r
     else
         run_shade(b->radiance[0], &run, false);
 }
+
+const struct raster_rows raster_blinn_phong_rows = {takes_exponent, shade_blinn_phong_row};

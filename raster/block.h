@@ -18,6 +18,7 @@
 #define RASTER_BLOCK_H
 
 #include "internal.h"
+#include "quality.h"
 
 /* A quantity at pixel (x, y) of the block: base + x dx + y dy. Two of 16 bits in one word: the carry out of the lower is kept,
  * which is worth one unit of the upper. */
@@ -132,15 +133,29 @@ static inline uint32_t raster_limited(uint32_t x)
     return x < RASTER_LIGHT_LIMIT ? x : RASTER_LIGHT_LIMIT;
 }
 
-/* The models: each adds one light's reflected radiance, at most RASTER_LIGHT_LIMIT, to pixels first .. end-1 of a batch and
- * returns how many of them it reaches. */
-typedef uint32_t raster_model(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
-                              const struct raster_block_light *light);
-raster_model raster_shade_half_vector;     /* measured */
-raster_model raster_shade_specular_frame;  /* measured */
-raster_model raster_shade_lafortune_phong; /* b is scaled by cos(theta_d), as for the former */
-raster_model raster_shade_blinn_phong;
-raster_model raster_shade_metallic_roughness;
+/* A way of shading a material. Functions are NULL where a model has no use for them. */
+struct raster_model {
+    /* Adds one light's reflected radiance, at most RASTER_LIGHT_LIMIT, to pixels first .. end-1 of a batch and returns how many of them
+     * it reaches. */
+    uint32_t (*shade)(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+                      const struct raster_block_light *light);
+    /* The quantity besides a and b that it takes from l and v, at most 2^27. In: sine and cosine of theta_d, 1.0 = 2^27; the table of a
+     * measured material. */
+    uint32_t (*term)(const struct lut_table *t, uint32_t sine, uint32_t cosine);
+    /* The power function that it takes, once a frame. */
+    void (*lobe)(struct raster_lobe *l, const struct scene_material *m);
+    /* Light that comes from everywhere, after all others, and what follows it. */
+    void (*ambient)(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
+    enum raster_shading shading;
+    bool scales_b; /* it takes b cos(theta_d) */
+    bool facing;   /* its lobe needs the surface to face the viewer */
+};
+
+/* That of a material; NULL: the frame's parts are without, or a measured one has no table. */
+const struct raster_model *raster_model_of(const struct raster_frame *f, const struct scene_material *m);
+
+/* Adds kd/pi times an irradiance to what is in the batch, up to `most`. */
+void raster_add_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t irradiance, uint32_t most);
 
 /* A block being shaded. */
 struct raster_block {
@@ -166,6 +181,6 @@ void raster_block_setup(struct raster_block *out, const struct raster *r, uint32
                         uint32_t y, unsigned shift, bool exact);
 /* Lights the tile's batch, all of the block's, by light `index`. Returns pixels lit. */
 uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, const struct raster *r, uint32_t x0,
-                            uint32_t y0, uint32_t index, raster_model *model);
+                            uint32_t y0, uint32_t index, const struct raster_model *model);
 
 #endif

@@ -36,9 +36,17 @@ static inline uint32_t cosine(const struct raster_surface *s, unsigned shift, st
     return (uint32_t)fx_max(nl, 0) << 5;
 }
 
-void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
-                          const struct raster_surface *s, uint32_t count)
+static bool is_diffuse(const struct raster *r, const struct scene_material *m)
 {
+    (void)r;
+    return !(m->ks[0] | m->ks[1] | m->ks[2]);
+}
+
+static void shade_diffuse_row(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+                              const struct raster_surface *s, uint32_t x, uint32_t y, uint32_t count)
+{
+    (void)x;
+    (void)y;
     const unsigned shift = slot->normal_shift, lights = r->frame.light_count;
     if (b->diffuse_material != slot->material + 1u)
         colour_setup(b, r, slot->material);
@@ -69,3 +77,5 @@ void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const 
         for (uint32_t i = 0; i < count; i++)
             b->radiance[i][0] = b->radiance[i][1] = b->radiance[i][2] = 0;
 }
+
+const struct raster_rows raster_diffuse_rows = {is_diffuse, shade_diffuse_row};

@@ -45,10 +45,8 @@ static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t
     struct raster_batch *b = &o->t->batch;
     const struct raster_slot *info = &o->t->slots[slot];
     const struct raster_surface *s = o->t->surface + y * RASTER_TILE_WIDTH + x;
-    if (raster_is_diffuse(&o->r->frame.materials[info->material]))
-        raster_shade_diffuse(b, o->r, info, s, count);
-    else
-        raster_shade_blinn_phong_run(b, o->r, info, s, o->x0 + x, o->y0 + y, count);
+    raster_rows_of(&o->r->frame, &o->r->frame.materials[info->material])
+        ->shade(b, o->r, info, s, o->x0 + x, o->y0 + y, count);
     raster_finish_pixels(b->radiance[0], b->radiance, count, o->r->frame.output->tone_curve, o->format);
     stats->samples += count;
     stats->tried += count * o->r->frame.light_count;

@@ -158,9 +158,18 @@ uint32_t raster_half_vector_packed(struct raster_batch *b, uint32_t first, uint3
     return shade(b, first, end, table, light, true);
 }
 
-uint32_t raster_shade_half_vector(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+static uint32_t shade_half_vector(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
                                   const struct raster_block_light *light)
 {
     const struct lut_table *t = r->frame.tables[r->frame.materials[b->material].slot];
     return t->slabs ? HALF_VECTOR_PACKED(b, first, end, t, light) : HALF_VECTOR_PLAIN(b, first, end, t, light);
 }
+
+/* The coordinate on the d axis, TERM_D_BITS. */
+static uint32_t half_vector_term(const struct lut_table *t, uint32_t sine, uint32_t cosine)
+{
+    return lut_d_coordinate(t, sine, cosine) >> (LUT_D_BITS - TERM_D_BITS);
+}
+
+const struct raster_model raster_half_vector_model = {
+    .shading = RASTER_SHADE_HALF_VECTOR, .shade = shade_half_vector, .term = half_vector_term, .facing = true};

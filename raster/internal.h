@@ -226,27 +226,24 @@ void raster_find_lights(const struct raster *r, struct raster_tile *t, const str
 /* Chooses the `count` of them that may be strongest, of equals the first ones. The tile's batch is empty. */
 void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count);
 
-/* Blinn-Phong's and metallic-roughness' ambient light, which follows all others, and the former's clamp. */
-void raster_finish_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
+/* A way of shading a material in runs, under directional lights: its finished radiance. */
+struct raster_rows {
+    bool (*takes)(const struct raster *r, const struct scene_material *m);
+    /* `count` pixels of one slot, from (x, y) on the screen and s on, into the batch's radiance from its start; at most RASTER_BATCH. */
+    void (*shade)(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
+                  const struct raster_surface *s, uint32_t x, uint32_t y, uint32_t count);
+};
 
-/* blinn_phong_run.c: that model for a run of pixels of one slot, from (x, y) on the screen and s on, finished radiance into the batch's,
- * from its start; at most RASTER_BATCH pixels. Only for materials that the first function says it is for. */
-bool raster_has_blinn_phong_run(const struct raster *r, const struct scene_material *m);
-void raster_shade_blinn_phong_run(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
-                                  const struct raster_surface *s, uint32_t x, uint32_t y, uint32_t count);
-
-/* diffuse.c: Lafortune-Phong without a specular lobe, which needs neither the view nor the normal in eye space. */
-static inline bool raster_is_diffuse(const struct scene_material *m)
+/* What may shade the material in rows, or NULL. */
+static inline const struct raster_rows *raster_rows_of(const struct raster_frame *f, const struct scene_material *m)
 {
-    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG && !(m->ks[0] | m->ks[1] | m->ks[2]);
+    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG ? f->parts->diffuse_rows
+           : m->kind == SCENE_MATERIAL_BLINN_PHONG   ? f->parts->blinn_phong_rows
+                                                     : NULL;
 }
 
 /* kd/pi * irradiance with 20 fraction bits, saturated. In: kd uq16_16 <= 1. */
 uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance);
-
-/* Shades `count` pixels of one slot from s on into the batch's radiance, from its start; at most RASTER_BATCH pixels. */
-void raster_shade_diffuse(struct raster_batch *b, const struct raster *r, const struct raster_slot *slot,
-                          const struct raster_surface *s, uint32_t count);
 
 /* tone.c: exposed linear radiance of `count` pixels to finished ones in `format`, each in 32 bits: RGB565, or 0x00BBGGRR for RGB888. In
  * place: out may be where radiance is. */

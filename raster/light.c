@@ -13,16 +13,17 @@ static size_t align8(size_t bytes)
     return (bytes + 7) & ~(size_t)7;
 }
 
-static bool has_lobe(const struct scene_material *m)
+static bool has_lobe(const struct raster_frame *f, const struct scene_material *m)
 {
-    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG || m->kind == SCENE_MATERIAL_BLINN_PHONG;
+    const struct raster_model *model = raster_model_of(f, m);
+    return model && model->lobe;
 }
 
 size_t raster_light_bytes(const struct raster_frame *f)
 {
     uint32_t lobes = 0;
     for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
-        lobes += has_lobe(&f->materials[i]);
+        lobes += has_lobe(f, &f->materials[i]);
     return align8(f->light_count * sizeof(struct raster_light)) + align8(lobes * sizeof(struct raster_lobe));
 }
 
@@ -42,7 +43,7 @@ static void add_light(struct raster *r, struct raster_light *out, const struct s
 {
     out->radius = l->kind == SCENE_LIGHT_POINT ? l->radius : 0;
     if (out->radius)
-        raster_light_position(&out->v, r->frame.camera, l->position);
+        r->frame.parts->point_lights->position(&out->v, r->frame.camera, l->position);
     else
         out->v = eye_direction(r->frame.camera, l->direction);
     for (int j = 0; j < 3; j++) {
@@ -64,17 +65,18 @@ void raster_light_setup(struct raster *r)
             add_light(r, next++, &f->lights[i]);
 
     bool run = f->light_count == r->directional && r->directional <= RASTER_RUN_LIGHTS && !r->sample_shift;
-    for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
-        r->in_rows[i] = run && (raster_is_diffuse(&f->materials[i]) || raster_has_blinn_phong_run(r, &f->materials[i]));
+    for (uint32_t i = 0; i < f->scene->header->materials.count; i++) {
+        const struct raster_rows *rows = raster_rows_of(f, &f->materials[i]);
+        r->in_rows[i] = run && rows && rows->takes(r, &f->materials[i]);
+    }
 
     uint8_t *end = (uint8_t *)r->lights + align8(f->light_count * sizeof *r->lights);
     r->lobes = (struct raster_lobe *)(void *)end;
     uint8_t count = 0;
     for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
-        if (has_lobe(&f->materials[i])) { /* (n.h)^n is (1 - sin^2)^(n/2) */
-            bool blinn = f->materials[i].kind == SCENE_MATERIAL_BLINN_PHONG;
+        if (has_lobe(f, &f->materials[i])) {
             r->lobe_of_material[i] = count;
-            raster_lobe_setup(&r->lobes[count++], f->materials[i].exponent >> blinn);
+            raster_model_of(f, &f->materials[i])->lobe(&r->lobes[count++], &f->materials[i]);
         }
 }
 
@@ -96,28 +98,15 @@ void raster_lobe_setup(struct raster_lobe *l, uint32_t m)
     }
 }
 
-static void find_box(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
-{
-    uint32_t nearest = 0, farthest = UINT32_MAX;
-    for (const struct raster_surface *s = t->surface; s != t->surface + RASTER_TILE_PIXELS; s++) {
-        uint32_t depth = s->depth_slot >> 8;
-        if (depth) {
-            nearest = depth > nearest ? depth : nearest;
-            farthest = depth < farthest ? depth : farthest;
-        }
-    }
-    raster_light_box_setup(&t->m.shading.box, r, rect, nearest, farthest);
-}
-
 void raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
 {
     for (uint32_t i = 0; i < SCENE_MAX_LIGHTS / 32; i++)
         t->light_reaches[i] = 0;
     if (r->directional < r->frame.light_count)
-        find_box(r, t, rect);
+        r->frame.parts->point_lights->find_box(r, t, rect);
     t->light_count = 0;
     for (uint32_t i = 0; i < r->frame.light_count; i++)
-        if (i < r->directional || raster_light_box_reached(&t->m.shading.box, &r->lights[i].v, r->lights[i].radius)) {
+        if (i < r->directional || r->frame.parts->point_lights->reaches(t, &r->lights[i])) {
             t->light_reaches[i / 32] |= 1u << i % 32;
             t->light_count++;
         }
@@ -133,7 +122,7 @@ static uint32_t light_strength(const struct raster *r, const struct raster_tile 
         most = l->irradiance[k] > most ? l->irradiance[k] : most;
     if (!l->radius)
         return most;
-    return (uint32_t)((uint64_t)most * raster_light_box_attenuation(&t->m.shading.box, &l->v, l->radius) >> 30);
+    return (uint32_t)((uint64_t)most * r->frame.parts->point_lights->attenuation(t, l) >> 30);
 }
 
 void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count)
@@ -234,36 +223,15 @@ static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
     out->unit[B_Z] = b.z;
 }
 
-/* The quantity besides a and b that a material's model takes from l and v. */
-static uint32_t term_find(const struct raster *r, const struct scene_material *m, const struct corner *c)
+static uint32_t term_find(const struct raster_model *model, const struct lut_table *t, const struct corner *c)
 {
-    if (m->kind == SCENE_MATERIAL_MEASURED) {
-        const struct lut_table *t = r->frame.tables[m->slot];
-        if (t->kind == LUT_HALF_VECTOR) /* coordinate on the d axis, TERM_D_BITS */
-            return lut_d_coordinate(t, c->sine, c->cosine) >> (LUT_D_BITS - TERM_D_BITS);
-        return c->sine;
-    }
-    if (m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS) { /* Schlick's (1 - cos)^5, Q27 */
-        uint32_t x = (1u << 27) - (c->cosine < 1u << 27 ? c->cosine : 1u << 27);
-        uint32_t x2 = fx_mulhi_u(x << 4, x << 1), x4 = fx_mulhi_u(x2 << 4, x2 << 1);
-        return fx_mulhi_u(x4 << 4, x << 1);
-    }
-    return 0;
+    return model->term ? model->term(t, c->sine, c->cosine) : 0;
 }
 
 /* The largest it may be anywhere in a block. */
-static int32_t term_limit(const struct raster *r, const struct scene_material *m)
+static int32_t term_limit(const struct raster_model *model, const struct lut_table *t)
 {
-    if (m->kind == SCENE_MATERIAL_MEASURED && r->frame.tables[m->slot]->kind == LUT_HALF_VECTOR)
-        return (int32_t)((r->frame.tables[m->slot]->depth - 1) << TERM_D_BITS) - 1;
-    return 1 << 27;
-}
-
-/* Models that take b cos(theta_d). */
-static bool scales_b(const struct raster *r, const struct scene_material *m)
-{
-    return m->kind == SCENE_MATERIAL_LAFORTUNE_PHONG ||
-           (m->kind == SCENE_MATERIAL_MEASURED && r->frame.tables[m->slot]->kind == LUT_SPECULAR_FRAME);
+    return model->shading == RASTER_SHADE_HALF_VECTOR ? (int32_t)((t->depth - 1) << TERM_D_BITS) - 1 : 1 << 27;
 }
 
 static void scale_b(struct corner *c)
@@ -344,7 +312,7 @@ static void set_direction(struct raster_block_light *out, struct vec3 l)
     out->l_z = fx_clamp(l.z, -32767, 32767);
 }
 
-static void light_planes(struct raster_block_light *out, const struct raster *r, const struct scene_material *m,
+static void light_planes(struct raster_block_light *out, const struct raster_model *model, const struct lut_table *t,
                          const struct raster_light *light, const struct raster_block *block)
 {
     const unsigned shift = block->shift;
@@ -352,15 +320,15 @@ static void light_planes(struct raster_block_light *out, const struct raster *r,
     int32_t term[4];
     for (int i = 0; i < 4; i++) {
         corner_find(&c[i], light->v, block->view[i]);
-        term[i] = (int32_t)term_find(r, m, &c[i]);
+        term[i] = (int32_t)term_find(model, t, &c[i]);
     }
     const int32_t a = shortfall(c, A_X), b = shortfall(c, B_X);
-    for (int i = 0; i < 4 && scales_b(r, m); i++)
+    for (int i = 0; i < 4 && model->scales_b; i++)
         scale_b(&c[i]);
     plane_lanes(&out->plane[PLANE_A_XY], c, A_X, a, A_Y, a, shift);
     plane_lanes(&out->plane[PLANE_B_XY], c, B_X, b, B_Y, b, shift);
     plane_lanes(&out->plane[PLANE_AB_Z], c, A_Z, a, B_Z, b, shift);
-    const struct slope s = slope_fit(term[0], term[1], term[2], term[3], shift, 0, term_limit(r, m));
+    const struct slope s = slope_fit(term[0], term[1], term[2], term[3], shift, 0, term_limit(model, t));
     out->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
     for (int k = 0; k < 3; k++)
         out->colour[k] = light->irradiance[k];
@@ -369,10 +337,10 @@ static void light_planes(struct raster_block_light *out, const struct raster *r,
 
 /* Exactly what a corner has, at every pixel of the batch in turn. Point lights reach with what their distance leaves. */
 static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint32_t x0, uint32_t y0,
-                             const struct raster_light *light, raster_model *model)
+                             const struct raster_light *light, const struct raster_model *model,
+                             const struct lut_table *table)
 {
     struct raster_batch *b = &t->batch;
-    const struct scene_material *m = &r->frame.materials[b->material];
     struct raster_block_light out;
     uint32_t lit = 0;
     for (uint32_t i = 0; i < b->count; i++) {
@@ -381,36 +349,34 @@ static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint
         uint32_t attenuation = 1u << 30;
         struct vec3 l = light->v;
         struct corner c;
-        if (light->radius) {
-            struct vec3 p = raster_surface_point(r, x, y, s->depth_slot >> 8);
-            if (!raster_point_light(&l, &attenuation, &light->v, light->radius, p))
-                continue;
-        }
+        if (light->radius && !r->frame.parts->point_lights->at(&l, &attenuation, r, light, x, y, s->depth_slot >> 8))
+            continue;
         for (int k = 0; k < 3; k++)
             out.colour[k] = (uint32_t)((uint64_t)light->irradiance[k] * attenuation >> 30);
         corner_find(&c, l, raster_view_vector(r, x, y));
-        uint32_t term = term_find(r, m, &c), limit = (uint32_t)term_limit(r, m);
-        if (scales_b(r, m))
+        uint32_t term = term_find(model, table, &c), limit = (uint32_t)term_limit(model, table);
+        if (model->scales_b)
             scale_b(&c);
         planes_constant(&out, &c, term < limit ? term : limit);
         set_direction(&out, l);
-        lit += model(b, i, i + 1, r, &out);
+        lit += model->shade(b, i, i + 1, r, &out);
     }
     return lit;
 }
 
 uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, const struct raster *r, uint32_t x0,
-                            uint32_t y0, uint32_t index, raster_model *model)
+                            uint32_t y0, uint32_t index, const struct raster_model *model)
 {
     const struct raster_light *light = &r->lights[index];
     struct raster_batch *b = &t->batch;
+    const struct lut_table *table = r->frame.tables[r->frame.materials[b->material].slot]; /* of a measured one */
     if (light->radius || block->exact)
-        return shade_pixels(t, r, x0 + block->x, y0 + block->y, light, model);
+        return shade_pixels(t, r, x0 + block->x, y0 + block->y, light, model, table);
     const uint32_t place = index % RASTER_BLOCK_LIGHTS;
     if (index >= RASTER_BLOCK_LIGHTS || !(block->ready >> index & 1))
-        light_planes(&block->light[place], r, &r->frame.materials[b->material], light, block);
+        light_planes(&block->light[place], model, table, light, block);
     block->ready = (block->ready & ~(1u << place)) | (index < RASTER_BLOCK_LIGHTS ? 1u << index : 0);
-    return model(b, 0, b->count, r, &block->light[place]);
+    return model->shade(b, 0, b->count, r, &block->light[place]);
 }
 
 bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift)
@@ -451,17 +417,12 @@ void raster_block_setup(struct raster_block *out, const struct raster *r, uint32
     }
 }
 
-void raster_finish_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure)
+void raster_add_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t irradiance, uint32_t most)
 {
-    const bool blinn = m->kind == SCENE_MATERIAL_BLINN_PHONG;
-    if (!blinn && m->kind != SCENE_MATERIAL_METALLIC_ROUGHNESS)
-        return;
     uint32_t ambient[3];
-    for (int k = 0; k < 3; k++) /* 0.02 pi, 0.05 pi */
-        ambient[k] = raster_diffuse_colour(m->kd[k], fx_mulhi_u(exposure, blinn ? 269860937 : 674652343));
+    for (int k = 0; k < 3; k++)
+        ambient[k] = raster_diffuse_colour(m->kd[k], irradiance);
     for (uint32_t i = 0; i < b->count; i++)
-        for (int k = 0; k < 3; k++) {
-            uint32_t c = fx_add_sat(b->radiance[i][k], ambient[k]);
-            b->radiance[i][k] = blinn && c > 1u << 20 ? 1u << 20 : c;
-        }
+        for (int k = 0; k < 3; k++)
+            b->radiance[i][k] = fx_min_u(fx_add_sat(b->radiance[i][k], ambient[k]), most);
 }

@@ -46,7 +46,7 @@ static void material_setup(struct material *o, const struct scene_material *m, c
     }
 }
 
-uint32_t raster_shade_metallic_roughness(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+static uint32_t shade_metallic_roughness(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
                                          const struct raster_block_light *light)
 {
     struct material m;
@@ -84,3 +84,24 @@ uint32_t raster_shade_metallic_roughness(struct raster_batch *b, uint32_t first,
     }
     return lit;
 }
+
+/* Schlick's (1 - l.h)^5, Q27. */
+static uint32_t schlick_term(const struct lut_table *t, uint32_t sine, uint32_t cosine)
+{
+    (void)t;
+    (void)sine;
+    uint32_t x = (1u << 27) - fx_min_u(cosine, 1u << 27);
+    uint32_t x2 = fx_mulhi_u(x << 4, x << 1), x4 = fx_mulhi_u(x2 << 4, x2 << 1);
+    return fx_mulhi_u(x4 << 4, x << 1);
+}
+
+static void metallic_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure)
+{
+    raster_add_ambient(b, m, fx_mulhi_u(exposure, 674652343), INT32_MAX); /* 0.05 pi */
+}
+
+const struct raster_model raster_metallic_roughness_model = {.shading = RASTER_SHADE_METALLIC_ROUGHNESS,
+                                                             .shade = shade_metallic_roughness,
+                                                             .term = schlick_term,
+                                                             .ambient = metallic_ambient,
+                                                             .facing = true};

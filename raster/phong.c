@@ -102,7 +102,7 @@ static FX_NOINLINE uint32_t shade_bright(struct raster_batch *b, uint32_t first,
     return lit;
 }
 
-uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+static uint32_t shade_lafortune_phong(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
                                       const struct raster_block_light *light)
 {
     const struct raster_lobe *lobe = &r->lobes[r->lobe_of_material[b->material]];
@@ -116,3 +116,11 @@ uint32_t raster_shade_lafortune_phong(struct raster_batch *b, uint32_t first, ui
         return shade_bright(b, first, end, lobe, light, m);
     return shade_bounded(b, first, end, lobe, light, &k);
 }
+
+static void lafortune_lobe(struct raster_lobe *l, const struct scene_material *m)
+{
+    raster_lobe_setup(l, m->exponent);
+}
+
+const struct raster_model raster_lafortune_phong_model = {
+    .shading = RASTER_SHADE_LAFORTUNE_PHONG, .shade = shade_lafortune_phong, .lobe = lafortune_lobe, .scales_b = true};

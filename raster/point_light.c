@@ -119,6 +119,12 @@ bool raster_point_light(struct vec3 *l, uint32_t *attenuation, const struct vec3
     return true;
 }
 
+static bool light_at(struct vec3 *l, uint32_t *attenuation, const struct raster *r, const struct raster_light *light,
+                     uint32_t x, uint32_t y, uint32_t depth)
+{
+    return raster_point_light(l, attenuation, &light->v, light->radius, raster_surface_point(r, x, y, depth));
+}
+
 static int32_t lower(int32_t a, int32_t b)
 {
     return saturate((int64_t)fx_min(a, b) - 2 - (fx_max(a < 0 ? -a : a, b < 0 ? -b : b) >> 22));
@@ -165,3 +171,28 @@ uint32_t raster_light_box_attenuation(const struct raster_light_box *box, const 
     attenuation += (attenuation >> 13) + 2; /* both attenuations err by up to 2^-15 and a unit */
     return attenuation < ONE ? attenuation : ONE;
 }
+
+static void find_box(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+{
+    uint32_t nearest = 0, farthest = UINT32_MAX;
+    for (const struct raster_surface *s = t->surface; s != t->surface + RASTER_TILE_PIXELS; s++) {
+        uint32_t depth = s->depth_slot >> 8;
+        if (depth) {
+            nearest = depth > nearest ? depth : nearest;
+            farthest = depth < farthest ? depth : farthest;
+        }
+    }
+    raster_light_box_setup(&t->m.shading.box, r, rect, nearest, farthest);
+}
+
+static bool reaches(const struct raster_tile *t, const struct raster_light *light)
+{
+    return raster_light_box_reached(&t->m.shading.box, &light->v, light->radius);
+}
+
+static uint32_t attenuation_most(const struct raster_tile *t, const struct raster_light *light)
+{
+    return raster_light_box_attenuation(&t->m.shading.box, &light->v, light->radius);
+}
+
+const struct raster_points raster_point_lights = {raster_light_position, light_at, find_box, reaches, attenuation_most};

@@ -8,6 +8,18 @@
 
 #include "raster.h"
 
+/* What the rest calls. */
+struct raster_points {
+    void (*position)(struct vec3 *eye, const struct scene_camera *camera, const q16_16_t position[3]);
+    /* raster_point_light for the surface seen at pixel (x, y), see raster_surface_point. */
+    bool (*at)(struct vec3 *l, uint32_t *attenuation, const struct raster *r, const struct raster_light *light,
+               uint32_t x, uint32_t y, uint32_t depth);
+    /* The tile's box; then of a light whether it reaches it, and the largest attenuation in it. */
+    void (*find_box)(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
+    bool (*reaches)(const struct raster_tile *t, const struct raster_light *light);
+    uint32_t (*attenuation)(const struct raster_tile *t, const struct raster_light *light);
+};
+
 /* A light's position in eye space, q16_16, within one unit (2^-16) but for the saturation. Once a light and frame. */
 void raster_light_position(struct vec3 *eye, const struct scene_camera *camera, const q16_16_t position[3]);
 

@@ -10,22 +10,29 @@
 
 const uint8_t raster_cell_shift[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
 
+const struct raster_model *raster_model_of(const struct raster_frame *f, const struct scene_material *m)
+{
+    const struct raster_parts *p = f->parts;
+    const struct lut_table *t;
+    switch (m->kind) {
+    case SCENE_MATERIAL_MEASURED:
+        t = m->slot < RASTER_MAX_SLOTS ? f->tables[m->slot] : NULL;
+        return !t ? NULL : t->kind == LUT_HALF_VECTOR ? p->half_vector : p->specular_frame;
+    case SCENE_MATERIAL_BLINN_PHONG:
+        return p->blinn_phong;
+    case SCENE_MATERIAL_METALLIC_ROUGHNESS:
+        return p->metallic_roughness;
+    default:
+        return p->lafortune_phong;
+    }
+}
+
 enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate)
 {
     const struct scene_material *m = &r->frame.materials[material];
     if (rate == RASTER_RATE_1X1 && r->in_rows[material])
-        return raster_is_diffuse(m) ? RASTER_SHADE_DIFFUSE_ROW : RASTER_SHADE_BLINN_PHONG_ROW;
-    switch (m->kind) {
-    case SCENE_MATERIAL_MEASURED:
-        return r->frame.tables[m->slot]->kind == LUT_HALF_VECTOR ? RASTER_SHADE_HALF_VECTOR
-                                                                 : RASTER_SHADE_SPECULAR_FRAME;
-    case SCENE_MATERIAL_BLINN_PHONG:
-        return RASTER_SHADE_BLINN_PHONG;
-    case SCENE_MATERIAL_METALLIC_ROUGHNESS:
-        return RASTER_SHADE_METALLIC_ROUGHNESS;
-    default:
-        return RASTER_SHADE_LAFORTUNE_PHONG;
-    }
+        return m->kind == SCENE_MATERIAL_BLINN_PHONG ? RASTER_SHADE_BLINN_PHONG_ROW : RASTER_SHADE_DIFFUSE_ROW;
+    return raster_model_of(&r->frame, m)->shading;
 }
 
 uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, enum raster_rate rate)

@@ -17,6 +17,7 @@
 #define RASTER_RASTER_H
 
 #include "lut.h"
+#include "parts.h"
 #include "scene.h"
 
 /* Tile size in pixels; compile-time, both powers of two, at most 64. Does not change a pixel. */
@@ -43,11 +44,14 @@ enum raster_status {
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
     RASTER_ERR_LIMIT, /* more than 65535 runs of meshlets in tiles at the coarsest levels */
     RASTER_ERR_BUDGET, /* tile_budget is too small: raster.budget_needed is the least */
+    RASTER_ERR_MODEL, /* a material asks for a model that is not among the frame's parts: raster.bad_material says which */
+    RASTER_ERR_POINT, /* a point light, and the frame's parts are without */
     RASTER_STATUS_COUNT
 };
 
 /* Everything one frame is made from. Pointers stay owned by the caller and must outlive the frame. */
 struct raster_frame {
+    const struct raster_parts *parts;
     const struct scene *scene;
     const struct scene_camera *camera; /* usually the scene's own, or a moved copy */
     const struct scene_output *output;
@@ -122,7 +126,7 @@ struct raster {
     uint8_t sample_shift;        /* 1 with 4 samples per pixel, else 0 */
     struct raster_light *lights; /* directional ones first, in the arena */
     uint32_t directional;        /* how many they are */
-    struct raster_lobe *lobes;   /* of Lafortune-Phong and Blinn-Phong materials, in the arena */
+    struct raster_lobe *lobes;   /* of materials whose model has one, in the arena */
     uint8_t lobe_of_material[SCENE_MAX_MATERIALS];
     bool in_rows[SCENE_MAX_MATERIALS]; /* materials shaded in runs of a row: without the view, or point lights */
     struct raster_view view;
@@ -276,7 +280,7 @@ size_t raster_arena_bytes(const struct raster_frame *f);
 /*
  * Chooses levels of detail, culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. When the
  * arena is too small, or 16-bit ids run out, the threshold (of 0: 1/16 px) is doubled until the frame fits: no triangle is
- * ever left out; it is doubled, too, while drawing alone is expected to take a budget. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE) and r->budget_needed
+ * ever left out; it is doubled, too, while drawing alone is expected to take a budget. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE, RASTER_ERR_MODEL) and r->budget_needed
  * (RASTER_ERR_BUDGET) are set.
  */
 enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes);

@@ -17,20 +17,13 @@ struct shading {
     uint32_t width, height; /* of the tile, pixels */
     const struct raster_quality *quality;
     uint32_t material;
+    const struct raster_model *model; /* its */
     enum raster_rate rate;
     uint32_t other;         /* slot of another material or rate that was met, too; 0: none */
     uint8_t format;         /* of a finished value */
     uint8_t cell_x, cell_y; /* log2 of a cell's edges, in samples */
     bool mean;              /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
     bool flat;              /* a meshlet has one colour */
-};
-
-static raster_model *const models[RASTER_SHADE_DIFFUSE_ROW] = {
-    [RASTER_SHADE_HALF_VECTOR] = raster_shade_half_vector,
-    [RASTER_SHADE_SPECULAR_FRAME] = raster_shade_specular_frame,
-    [RASTER_SHADE_LAFORTUNE_PHONG] = raster_shade_lafortune_phong,
-    [RASTER_SHADE_BLINN_PHONG] = raster_shade_blinn_phong,
-    [RASTER_SHADE_METALLIC_ROUGHNESS] = raster_shade_metallic_roughness,
 };
 
 /* Keeps it below 2^31. */
@@ -93,8 +86,7 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[o->material];
-    raster_model *model = models[raster_shading_of(r, o->material, RASTER_RATE_FLAT)]; /* never in rows */
-    const struct raster_shading_cost *c = &costs_of(r)->shading[raster_shading_of(r, o->material, RASTER_RATE_4X4)];
+    const struct raster_shading_cost *c = &costs_of(r)->shading[o->model->shading];
     uint32_t lit = 0;
     uint64_t cost = (uint64_t)b->count * c->sample;
     if (!b->count)
@@ -106,7 +98,7 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
         const bool planes = !r->lights[l].radius && !k->exact;
         if (planes && (l >= RASTER_BLOCK_LIGHTS || !(k->ready >> l & 1)))
             cost += c->material;
-        const uint32_t lit_by = raster_shade_light(o->t, k, r, o->x0, o->y0, l, model);
+        const uint32_t lit_by = raster_shade_light(o->t, k, r, o->x0, o->y0, l, o->model);
         lit += lit_by;
         stats->tried += b->count;
         cost += planes ? lit_by * c->lit + (b->count - lit_by) * c->dark : b->count * c->point; /* 2^6 2^20 */
@@ -119,7 +111,8 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
     stats->cost += o->flat ? (uint64_t)b->count * c->flat : cost;
     if (m->kind == SCENE_MATERIAL_MEASURED)
         stats->fetches += 8 * lit;
-    raster_finish_ambient(b, m, r->frame.output->exposure);
+    if (o->model->ambient)
+        o->model->ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
     raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
     put_values(o, value);
@@ -138,12 +131,6 @@ static struct vec3 face_viewer(struct vec3 n, struct vec3 v, int32_t nv)
     uint32_t m = lut_rsqrt((uint32_t)fx_max(fx_dot(n, n), 1), &shift);
     int32_t k = (int32_t)(m >> shift); /* 2^30 / |n|: its product with a component of n is at most 2^30 */
     return (struct vec3){n.x * k >> 15, n.y * k >> 15, n.z * k >> 15};
-}
-
-/* Models whose lobes need the surface to face the viewer. */
-static bool needs_facing(const struct scene_material *m)
-{
-    return m->kind == SCENE_MATERIAL_MEASURED || m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS;
 }
 
 #ifdef RASTER_WIDE
@@ -192,7 +179,7 @@ static void gather_run(const struct shading *o, struct raster_block *k, uint32_t
 {
     struct raster_batch *b = &o->t->batch;
     const struct raster_slot *slot = &o->t->slots[raster_slot_of(&o->t->surface[index])];
-    const bool facing = needs_facing(&o->r->frame.materials[o->material]);
+    const bool facing = o->model->facing;
     int32_t frame[9], view[3]; /* the latter Q15 with VIEW_PLANE_BITS more, at x */
     raster_slot_frame(frame, slot);
     block_view(view, o, k, x, y);
@@ -548,6 +535,7 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
     raster_choose_lights(r, t, q->lights);
     for (o.other = find_slot(&o, x, y); o.other;) {
         o.material = t->batch.material = t->slots[o.other].material;
+        o.model = raster_model_of(&r->frame, &r->frame.materials[o.material]);
         o.rate = (enum raster_rate)q->rate[t->slots[o.other].class_id];
         o.other = 0;
         choose_cells(&o);

@@ -25,7 +25,7 @@ static uint32_t contribution(uint32_t c, int32_t e, uq16_16_t irradiance)
     return fx_sat31(p);
 }
 
-uint32_t raster_shade_specular_frame(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
+static uint32_t shade_specular_frame(struct raster_batch *b, uint32_t first, uint32_t end, const struct raster *r,
                                      const struct raster_block_light *light)
 {
     const struct lut_table *t = r->frame.tables[r->frame.materials[b->material].slot];
@@ -65,3 +65,16 @@ uint32_t raster_shade_specular_frame(struct raster_batch *b, uint32_t first, uin
     }
     return lit;
 }
+
+static uint32_t specular_frame_term(const struct lut_table *t, uint32_t sine, uint32_t cosine)
+{
+    (void)t;
+    (void)cosine;
+    return sine;
+}
+
+const struct raster_model raster_specular_frame_model = {.shading = RASTER_SHADE_SPECULAR_FRAME,
+                                                         .shade = shade_specular_frame,
+                                                         .term = specular_frame_term,
+                                                         .scales_b = true,
+                                                         .facing = true};

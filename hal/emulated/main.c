@@ -37,6 +37,7 @@ _Noreturn void board_main(void)
     hal.flash_bytes = BOARD_FLASH_BYTES;
     hal.flash_block_bytes = FLASH_BLOCK_BYTES;
     const struct app_config config = {
+        .parts = &raster_all_parts,
         .width = BOARD_WIDTH,
         .height = BOARD_HEIGHT,
         .format = RASTER_RGB888,

@@ -12,6 +12,12 @@
 
 enum { ARENA_BYTES = 8 * 1024, FLASH_BLOCK_BYTES = 1024 };
 
+/* What the built-in scene takes. */
+static const struct raster_parts parts = {
+    .specular_frame = &raster_specular_frame_model,
+    .lafortune_phong = &raster_lafortune_phong_model,
+};
+
 static struct app app;
 static uint64_t arena[ARENA_BYTES / 8];
 
@@ -42,6 +48,7 @@ _Noreturn void board_main(void)
         .format = RASTER_RGB888,
         .slot_count = 2,
         .scene_bank_bytes = IMAGE_SCENE_BANK_BYTES,
+        .parts = &parts,
         .arena = arena,
         .arena_bytes = sizeof arena,
         .costs = &costs_cortex_m3,

@@ -50,6 +50,7 @@ _Noreturn void board_main(void)
     hal.flash_program = flash_program;
     hal.write_allowed = NULL;
     const struct app_config config = {
+        .parts = &raster_all_parts,
         .width = BOARD_WIDTH,
         .height = BOARD_HEIGHT,
         .format = RASTER_RGB888,

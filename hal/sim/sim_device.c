@@ -27,6 +27,7 @@ struct sim_device *sim_device_create(const struct sim_config *config)
     uint32_t tiles = ((c->width * scale + RASTER_TILE_WIDTH - 1u) / RASTER_TILE_WIDTH) *
                      ((c->height * scale + RASTER_TILE_HEIGHT - 1u) / RASTER_TILE_HEIGHT);
     d->config = (struct app_config){
+        .parts = &raster_all_parts,
         .width = c->width,
         .height = c->height,
         .format = c->format,

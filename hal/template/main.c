@@ -17,6 +17,12 @@
 
 /* [ ] All of this in the fastest RAM there is: struct app holds the tile that the renderer works on. */
 static struct app app;
+/* [ ] The ways of shading that the product's scenes take: what is not named takes no flash, and scenes that ask for it are refused. */
+static const struct raster_parts parts = {
+    .half_vector = &raster_half_vector_model,
+    .lafortune_phong = &raster_lafortune_phong_model,
+};
+
 /* [ ] Large enough for the scenes to come: a frame that needs more is refused, and the reply says how much it takes. */
 static uint64_t arena[16 * 1024 / 8];
 /* [ ] The flash region for scene and tables, not an array; 4-aligned, outside the program. */
@@ -141,6 +147,7 @@ int main(void)
         .height = 64,
         .format = RASTER_RGB565,
         .slot_count = 2, /* [ ] one for the scene, the others for tables; each takes two banks of flash */
+        .parts = &parts,
         .arena = arena,
         .arena_bytes = sizeof arena,
         .costs = &costs_cortex_m7, /* [ ] the target's own: `make calibrate BOARD=...` writes them */

@@ -77,7 +77,8 @@ int main(int argc, char **argv)
     for (uint32_t i = 0; lafortune && i < scene.header->materials.count; i++)
         materials[i].kind = SCENE_MATERIAL_LAFORTUNE_PHONG;
 
-    struct raster_frame frame = {.scene = &scene,
+    struct raster_frame frame = {.parts = &raster_all_parts,
+                                 .scene = &scene,
                                  .camera = &scene.header->camera,
                                  .output = &scene.header->output,
                                  .lights = scene.lights,

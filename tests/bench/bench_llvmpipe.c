@@ -358,7 +358,8 @@ int main(int argc, char **argv)
     program_use((float)width / (float)height);
 
     const struct lut_table *slots[RASTER_MAX_SLOTS] = {&table[1]};
-    const struct raster_frame frame = {.scene = &scene,
+    const struct raster_frame frame = {.parts = &raster_all_parts,
+                                       .scene = &scene,
                                        .camera = &scene.header->camera,
                                        .output = &scene.header->output,
                                        .lights = scene.lights,

@@ -51,7 +51,8 @@ static void picture_render(struct canvas *c, const char *what)
             die(EXIT_BAD_INPUT, "%s: %s; build it with gtlut", colon + 1, lut_status_text(opened));
     }
     const struct lut_table *slots[RASTER_MAX_SLOTS] = {colon ? &table : NULL};
-    const struct raster_frame frame = {.scene = &scene,
+    const struct raster_frame frame = {.parts = &raster_all_parts,
+                                       .scene = &scene,
                                        .camera = &scene.header->camera,
                                        .output = &scene.header->output,
                                        .lights = scene.lights,

@@ -73,6 +73,6 @@ row() { # target loop object function instruction
 
 for target in cortex-m4 cortex-m7; do
     row $target fill_span small raster_fill_small 'strd.*[[]r'
-    row $target diffuse_pixel diffuse raster_shade_diffuse udiv
-    row $target blinn_phong_pixel_light blinn_phong_run raster_shade_blinn_phong_run clz
+    row $target diffuse_pixel diffuse shade_diffuse_row udiv
+    row $target blinn_phong_pixel_light blinn_phong_run shade_blinn_phong_row clz
 done

@@ -42,9 +42,9 @@ ratio() { # decimals a b
 
 # Cycles per instruction by llvm-mca, in the functions that evaluate models and tables.
 cycles_per_instruction() { # target input
-    local names=raster_half_vector:raster_shade_half_vector:raster_shade_specular_frame:raster_shade_lafortune_phong:raster_shade_blinn_phong
+    local names=raster_half_vector:raster_shade_lafortune_phong:shade_half_vector:shade_specular_frame:shade_lafortune_phong
     local program=$B/board/$1/shade.elf count=100000
-    names+=:raster_shade_metallic_roughness:lut_specular_frame:lut_interpolate:lut_angle:lut_turn
+    names+=:shade_blinn_phong:shade_metallic_roughness:lut_specular_frame:lut_interpolate:lut_angle:lut_turn
     tests/board/run.sh "$1" "$program" "$2" -plugin "$B/board/trace.so,names=$names,skip=200000,count=$count" >"$work/out" 2>"$work/trace"
     [ "$(wc -l <"$work/trace")" = $count ] || { echo "shade_rows: $1: no trace" >&2; exit 1; }
     arm-none-eabi-objdump -d --no-show-raw-insn "$program" >"$work/disassembly"

@@ -77,7 +77,8 @@ int main(int argc, char **argv)
             fail(argv[i], lut_status_text(opened));
         slots[i - first - 1] = table;
     }
-    struct raster_frame frame = {.scene = &scene,
+    struct raster_frame frame = {.parts = &raster_all_parts,
+                                 .scene = &scene,
                                  .camera = &scene.header->camera,
                                  .output = &scene.header->output,
                                  .lights = scene.lights,

@@ -7,8 +7,8 @@ B=${B:-build}
 files=$B/amalgamation
 
 echo 1..16
-# Functions that goniotile.h declares; loops in assembly cannot be hidden.
-sed -nE '/^(static|typedef)/!s/^[a-z][a-z0-9_ ]*[ *]([a-z0-9_]+)\(.*/\1/p' "$files/goniotile.h" | sort >"$work/declared"
+# Functions and constants that goniotile.h declares; loops in assembly cannot be hidden.
+sed -nE '/^(static|typedef)/!s/^[a-z][a-z0-9_ ]*[ *]([a-z0-9_]+)\(.*/\1/p; s/^extern const .* ([a-z0-9_]+);$/\1/p' "$files/goniotile.h" | sort >"$work/declared"
 for t in cortex-m0 cortex-m3 cortex-m7 rv32imac x86-64; do
     object=$files/$t.o nm=$(target_binutils $t)nm
     problems=$($nm -g --defined-only "$object" | awk '{ print $3 }' | grep -v '^raster_.*_loop$' | sort | diff - "$work/declared" 2>&1)

@@ -212,8 +212,8 @@ static void specular_frames_of_eight_pixels_give_the_same_bits(void **state)
         want = b;
         uint32_t count = 0;
         for (uint32_t j = 0; j < b.count; j++)
-            count += raster_shade_specular_frame(&want, j, j + 1, &r, &light);
-        assert_int_equal(raster_shade_specular_frame(&b, 0, b.count, &r, &light), count);
+            count += raster_specular_frame_model.shade(&want, j, j + 1, &r, &light);
+        assert_int_equal(raster_specular_frame_model.shade(&b, 0, b.count, &r, &light), count);
         assert_memory_equal(&b, &want, sizeof b);
         lit += count;
     }

@@ -12,7 +12,8 @@ static const struct lut_table table = {
 static void render(const struct scene *s, uint8_t samples)
 {
     const struct lut_table *const tables[RASTER_MAX_SLOTS] = {&table};
-    struct raster_frame f = {.scene = s,
+    struct raster_frame f = {.parts = &raster_all_parts,
+                             .scene = s,
                              .camera = &s->header->camera,
                              .output = &s->header->output,
                              .lights = s->lights,

@@ -65,7 +65,8 @@ static int load(void **state)
 static struct raster_frame make_frame(int width, int height, enum ref_model model, const struct scene_output *output,
                                       enum raster_format format)
 {
-    return (struct raster_frame){.scene = &scene,
+    return (struct raster_frame){.parts = &raster_all_parts,
+                                 .scene = &scene,
                                  .camera = &scene.header->camera,
                                  .output = output,
                                  .lights = scene.lights,

@@ -58,7 +58,8 @@ static int load(void **state)
 
 static struct raster_frame make_frame(uint8_t light_count)
 {
-    return (struct raster_frame){.scene = &scene,
+    return (struct raster_frame){.parts = &raster_all_parts,
+                                 .scene = &scene,
                                  .camera = &scene.header->camera,
                                  .output = &scene.header->output,
                                  .lights = scene.lights,

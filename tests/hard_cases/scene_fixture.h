@@ -59,7 +59,8 @@ static inline void open_scene(struct opened *o, const struct ref_blob *b, uint16
     size_t bytes;
     o->blob = ref_blob_finish(b, &bytes);
     assert_string_equal(scene_status_text(scene_open(&o->scene, o->blob, bytes)), scene_status_text(SCENE_OK));
-    o->frame = (struct raster_frame){.scene = &o->scene,
+    o->frame = (struct raster_frame){.parts = &raster_all_parts,
+                                     .scene = &o->scene,
                                      .camera = &o->scene.header->camera,
                                      .output = &o->scene.header->output,
                                      .lights = o->scene.lights,

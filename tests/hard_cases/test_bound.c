@@ -42,7 +42,8 @@ static int unload(void **state)
 
 static struct raster_frame six_models(const struct scene_camera *camera, const struct raster_costs *costs)
 {
-    return (struct raster_frame){.scene = &six,
+    return (struct raster_frame){.parts = &raster_all_parts,
+                                 .scene = &six,
                                  .camera = camera,
                                  .output = &six.header->output,
                                  .lights = six.lights,

@@ -86,7 +86,8 @@ static void blob_try(const uint8_t *blob, size_t bytes)
     if (scene_open(&s, copy, bytes) != SCENE_OK) {
         refused++;
     } else {
-        struct raster_frame f = {.scene = &s,
+        struct raster_frame f = {.parts = &raster_all_parts,
+                                 .scene = &s,
                                  .camera = &s.header->camera,
                                  .output = &s.header->output,
                                  .lights = s.lights,

@@ -65,7 +65,8 @@ static struct raster_frame make_frame(const struct scene_camera *camera, const s
                                       int height, double threshold)
 {
     blob->lod_error = (uq16_16_t)lrint(threshold * 65536);
-    return (struct raster_frame){.scene = &scene,
+    return (struct raster_frame){.parts = &raster_all_parts,
+                                 .scene = &scene,
                                  .camera = camera,
                                  .output = output,
                                  .lights = scene.lights,

@@ -84,6 +84,54 @@ static void small_arena_says_what_is_needed(void **state)
     ref_blob_free(&b);
 }
 
+static void frame_that_asks_for_a_missing_part_is_refused(void **state)
+{
+    (void)state;
+    enum { KINDS = 4 };
+    static const unsigned kind[KINDS] = {SCENE_MATERIAL_LAFORTUNE_PHONG, SCENE_MATERIAL_BLINN_PHONG,
+                                         SCENE_MATERIAL_METALLIC_ROUGHNESS, SCENE_MATERIAL_MEASURED};
+    const struct raster_parts *all = &raster_all_parts;
+    const struct raster_parts with[KINDS] = {{.lafortune_phong = all->lafortune_phong},
+                                             {.blinn_phong = all->blinn_phong},
+                                             {.metallic_roughness = all->metallic_roughness},
+                                             {.half_vector = all->half_vector}};
+    const struct lut_table half_vector = {.kind = LUT_HALF_VECTOR}, specular = {.kind = LUT_SPECULAR_FRAME};
+    const struct lut_table *tables[RASTER_MAX_SLOTS];
+    const struct scene_light point = {.kind = SCENE_LIGHT_POINT, .radius = 1 << 16};
+    struct scene_material m[2];
+    struct ref_blob b = new_scene();
+    struct opened o;
+    struct raster r;
+    ref_blob_material(&b, SCENE_MATERIAL_LAFORTUNE_PHONG, 0, 0.5, "the one");
+    ref_blob_object(&b, add_wall(&b, -100, -100, 100, 100), 1, (const double[3]){0, 0, -1}, 1);
+    open_scene(&o, &b, 32, 32);
+    memcpy(m, o.frame.materials, sizeof m);
+    o.frame.materials = m;
+    o.frame.tables = tables;
+    for (int i = 0; i < KINDS; i++) {
+        m[1].kind = (uint8_t)kind[i];
+        tables[0] = &half_vector;
+        for (int k = 0; k < KINDS; k++) {
+            o.frame.parts = &with[k];
+            memset(&r, 0xa5, sizeof r);
+            assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), k == i ? RASTER_ERR_ARENA : RASTER_ERR_MODEL);
+            assert_true(k == i || r.bad_material == 1);
+        }
+        o.frame.parts = &with[i];
+        tables[0] = &specular;
+        assert_int_equal(raster_begin(&r, &o.frame, NULL, 0),
+                         kind[i] == SCENE_MATERIAL_MEASURED ? RASTER_ERR_MODEL : RASTER_ERR_ARENA);
+    }
+    o.frame.lights = &point;
+    o.frame.light_count = 1;
+    tables[0] = &half_vector;
+    assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_POINT);
+    o.frame.parts = all;
+    assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_ARENA);
+    free(o.blob);
+    ref_blob_free(&b);
+}
+
 static void missing_table_is_refused_with_its_material(void **state)
 {
     (void)state;
@@ -255,6 +303,7 @@ int main(void)
         cmocka_unit_test(pictures_of_extreme_shape_are_complete),
         cmocka_unit_test(sizes_out_of_range_are_refused),
         cmocka_unit_test(small_arena_says_what_is_needed),
+        cmocka_unit_test(frame_that_asks_for_a_missing_part_is_refused),
         cmocka_unit_test(missing_table_is_refused_with_its_material),
         cmocka_unit_test(a_tile_lists_every_meshlet),
         cmocka_unit_test(too_many_runs_are_refused),

@@ -123,7 +123,8 @@ static inline void frame_begin(const struct subject *s, unsigned width, unsigned
     k.light = (struct scene_light){.kind = SCENE_LIGHT_DIRECTIONAL,
                                    .direction = {light.x * 32768, light.y * 32768, light.z * 32768},
                                    .irradiance = {irradiance, irradiance, irradiance}};
-    struct raster_frame f = {.scene = &k.scene,
+    struct raster_frame f = {.parts = &raster_all_parts,
+                             .scene = &k.scene,
                              .camera = &k.camera,
                              .output = &k.scene.header->output,
                              .lights = &k.light,

@@ -430,6 +430,35 @@ static void frames_that_cannot_be_are_refused_with_the_reason(void **state)
     sim_device_destroy(d);
 }
 
+static void firmware_refuses_what_it_has_no_part_for(void **state)
+{
+    static uint8_t pixels[PICTURE];
+    static const struct raster_parts none, specular = {.specular_frame = &raster_specular_frame_model};
+    struct sim_device *d = fixture_device(false, false);
+    size_t bytes;
+    void *scene = fixture_scene(&bytes);
+    struct {
+        uint32_t setting, index;
+        struct scene_light light;
+    } set = {USB_SET_LIGHT, 1, {.kind = SCENE_LIGHT_POINT, .radius = 1 << 16}};
+    uint32_t detail = 7;
+    (void)state;
+    assert_int_equal(push(d, 0, scene, bytes, NULL), USB_OK);
+    push_table(d, 1, 9);
+    d->app.config.parts = &none;
+    assert_int_equal(frame(d, pixels, &detail), USB_ERR_MODEL);
+    assert_int_equal(detail, 0);
+    d->app.config.parts = &specular;
+    assert_int_equal(frame(d, pixels, NULL), USB_OK);
+    assert_int_equal(ask(d, USB_MSG_SET, &set, sizeof set, NULL), USB_OK);
+    assert_int_equal(frame(d, pixels, &detail), USB_ERR_RENDER);
+    assert_int_equal(detail, RASTER_ERR_POINT);
+    assert_int_equal(ask(d, USB_MSG_RESET, NULL, 0, NULL), USB_OK);
+    assert_int_equal(frame(d, pixels, NULL), USB_OK);
+    free(scene);
+    sim_device_destroy(d);
+}
+
 /* Nine objects over all of 8192 tiles are more bin entries than the rasterizer can number. */
 static void unrenderable_scene_is_refused_with_the_rasterizers_reason(void **state)
 {
@@ -513,6 +542,7 @@ int main(void)
         cmocka_unit_test(uploads_out_of_order_are_refused),
         cmocka_unit_test(unfit_uploads_are_refused_and_the_old_table_stays),
         cmocka_unit_test(frames_that_cannot_be_are_refused_with_the_reason),
+        cmocka_unit_test(firmware_refuses_what_it_has_no_part_for),
         cmocka_unit_test(unrenderable_scene_is_refused_with_the_rasterizers_reason),
         cmocka_unit_test(values_out_of_range_are_refused),
     };

@@ -85,7 +85,8 @@ static void run_setup(double kd, double ks, double exponent, unsigned lights)
     run.material = material(kd, ks, exponent);
     run.output.exposure = 1 << 16;
     run.camera.focal = 158217; /* 45 degrees */
-    run.r.frame = (struct raster_frame){.output = &run.output,
+    run.r.frame = (struct raster_frame){.parts = &raster_all_parts,
+                                        .output = &run.output,
                                         .camera = &run.camera,
                                         .materials = &run.material,
                                         .width = WIDTH,
@@ -149,8 +150,8 @@ static void run_kernel_equals_the_model(void **state)
             coordinates[p][1] = (int)(d * 0.7 * random_signed());
             run.surface[p] = make_surface(coordinates[p][0], coordinates[p][1], d);
         }
-        assert_true(raster_has_blinn_phong_run(&run.r, &run.material));
-        raster_shade_blinn_phong_run(&run.batch, &run.r, &run.slot, run.surface, x, y, COUNT);
+        assert_true(raster_blinn_phong_rows.takes(&run.r, &run.material));
+        raster_blinn_phong_rows.shade(&run.batch, &run.r, &run.slot, run.surface, x, y, COUNT);
         struct ref_material reference = reference_of(&run.material);
         for (int p = 0; p < COUNT; p++) {
             double n[3], v[3], want[3], got[3];
@@ -186,7 +187,7 @@ static void run_kernel_keeps_the_extremes(void **state)
         /* n = l = v: stereographic coordinates v.x / (1 + v.z) */
         int u = (int)lrint(16384 * v[0] / (1 + v[2])), w = (int)lrint(16384 * v[1] / (1 + v[2]));
         run.surface[0] = make_surface(u, w, 16384);
-        raster_shade_blinn_phong_run(&run.batch, &run.r, &run.slot, run.surface, 300, 20, 1);
+        raster_blinn_phong_rows.shade(&run.batch, &run.r, &run.slot, run.surface, 300, 20, 1);
         assert_true(abs((int)run.batch.radiance[0][0] - (int)(0.76 * 1048576)) < 1024);
         assert_true(abs((int)run.batch.radiance[0][2] - (int)(0.125 * 1048576)) < 512);
         /* l = -v: neither term, whatever the normal */
@@ -194,7 +195,7 @@ static void run_kernel_keeps_the_extremes(void **state)
         run.r.lights[0].v = (struct vec3){-l.x, -l.y, -l.z};
         for (int i = 0; i < RASTER_BATCH; i++)
             run.surface[i] = make_surface(u, w, 16384);
-        raster_shade_blinn_phong_run(&run.batch, &run.r, &run.slot, run.surface, 300, 20, 1);
+        raster_blinn_phong_rows.shade(&run.batch, &run.r, &run.slot, run.surface, 300, 20, 1);
         assert_true(abs((int)run.batch.radiance[0][0] - (int)(0.01 * 1048576)) < 64);
         assert_true(run.batch.radiance[0][2] < 64);
     }
@@ -204,7 +205,7 @@ static void run_kernel_keeps_the_extremes(void **state)
     for (unsigned i = 0; i < RASTER_RUN_LIGHTS; i++)
         run.r.lights[i] = (struct raster_light){{0, 0, 32768}, {UINT32_MAX, UINT32_MAX, UINT32_MAX}, 0};
     run.surface[0] = make_surface(0, 0, 16384);
-    raster_shade_blinn_phong_run(&run.batch, &run.r, &run.slot, run.surface, WIDTH / 2, HEIGHT / 2, 1);
+    raster_blinn_phong_rows.shade(&run.batch, &run.r, &run.slot, run.surface, WIDTH / 2, HEIGHT / 2, 1);
     assert_int_equal(run.batch.radiance[0][0], 1 << 20);
     assert_int_equal(run.batch.radiance[0][1], 1 << 20);
     assert_int_equal(run.batch.radiance[0][2], 1 << 20);
@@ -216,13 +217,13 @@ static void run_kernel_declines_what_it_cannot_do(void **state)
     static const double no[] = {0, 0.5, 1, 3, 31, 48, 128, 4096};
     for (size_t i = 0; i < sizeof no / sizeof *no; i++) {
         run_setup(0.5, 0.5, no[i], 1);
-        assert_false(raster_has_blinn_phong_run(&run.r, &run.material));
+        assert_false(raster_blinn_phong_rows.takes(&run.r, &run.material));
     }
     run_setup(0.5, 0.5, 32, 1);
-    assert_true(raster_has_blinn_phong_run(&run.r, &run.material));
+    assert_true(raster_blinn_phong_rows.takes(&run.r, &run.material));
     run.camera.focal = 1 << 14; /* 152 degrees */
     raster_view_setup(&run.r.view, &run.camera, WIDTH, HEIGHT);
-    assert_false(raster_has_blinn_phong_run(&run.r, &run.material));
+    assert_false(raster_blinn_phong_rows.takes(&run.r, &run.material));
 }
 
 int main(void)

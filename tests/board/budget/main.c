@@ -96,7 +96,8 @@ static struct hal hal;
 
 static enum raster_status begin(uint32_t mean)
 {
-    const struct raster_frame frame = {.scene = &scene,
+    const struct raster_frame frame = {.parts = &raster_all_parts,
+                                       .scene = &scene,
                                        .camera = &scene.header->camera,
                                        .output = &scene.header->output,
                                        .lights = scene.lights,

@@ -110,7 +110,8 @@ static uint32_t set_lights(uint32_t directional, uint32_t points)
 static void begin(uint32_t light_count, uint8_t samples)
 {
     static const struct lut_table *tables[RASTER_MAX_SLOTS] = {&half_vector, &specular_frame};
-    const struct raster_frame frame = {.scene = &scene,
+    const struct raster_frame frame = {.parts = &raster_all_parts,
+                                       .scene = &scene,
                                        .camera = &camera,
                                        .output = &scene.header->output,
                                        .lights = lights,

@@ -82,7 +82,8 @@ static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t 
 _Noreturn void board_main(void)
 {
     struct hal hal = board_unplugged;
-    const struct app_config config = {.width = 64,
+    const struct app_config config = {.parts = &raster_all_parts,
+                                      .width = 64,
                                       .height = 32,
                                       .slot_count = 2,
                                       .scene_bank_bytes = SCENE_BANK,

@@ -33,7 +33,8 @@ const char *sphere_open(struct sphere *s, const void *input)
 const char *sphere_begin(struct sphere *s, bool lights)
 {
     const struct scene_header *h = s->scene.header;
-    const struct raster_frame frame = {.scene = &s->scene,
+    const struct raster_frame frame = {.parts = &raster_all_parts,
+                                       .scene = &s->scene,
                                        .camera = &h->camera,
                                        .output = &h->output,
                                        .lights = s->scene.lights,

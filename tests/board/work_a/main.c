@@ -33,7 +33,8 @@ _Noreturn void board_main(void)
     enum scene_status opened = scene_open(&scene, board_input, h->total_bytes);
     if (opened != SCENE_OK)
         report_failure(scene_status_text(opened));
-    struct raster_frame frame = {.scene = &scene,
+    struct raster_frame frame = {.parts = &raster_all_parts,
+                                 .scene = &scene,
                                  .camera = &h->camera,
                                  .output = &h->output,
                                  .lights = scene.lights,

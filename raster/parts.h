@@ -1,0 +1,36 @@
+/*
+ * The parts of the renderer that a program has. Materials, lights and budgets reach theirs through this table alone, so that a linker
+ * which drops what nothing refers to (-ffunction-sections -fdata-sections -Wl,--gc-sections) leaves out those that a product does not
+ * name:
+ *   static const struct raster_parts parts = {.half_vector = &raster_half_vector_model, .diffuse_rows = &raster_diffuse_rows};
+ */
+#ifndef RASTER_PARTS_H
+#define RASTER_PARTS_H
+
+struct raster_model;
+struct raster_rows;
+struct raster_points;
+
+/* NULL: the program does without. A frame whose materials or lights ask for that is refused, but rows are only a faster way. */
+struct raster_parts {
+    /* Materials; measured ones by the kind of their table. */
+    const struct raster_model *half_vector, *specular_frame, *lafortune_phong, *blinn_phong, *metallic_roughness;
+    /* Runs of a row at a time, under few directional lights: Lafortune-Phong without ks; Blinn-Phong with exponents 2, 4, .. 64. Pixels
+     * differ from the models' by their rounding. */
+    const struct raster_rows *diffuse_rows, *blinn_phong_rows;
+    const struct raster_points *point_lights;
+};
+
+extern const struct raster_model raster_half_vector_model;
+extern const struct raster_model raster_specular_frame_model;
+extern const struct raster_model raster_lafortune_phong_model;
+extern const struct raster_model raster_blinn_phong_model;
+extern const struct raster_model raster_metallic_roughness_model;
+extern const struct raster_rows raster_diffuse_rows;
+extern const struct raster_rows raster_blinn_phong_rows;
+extern const struct raster_points raster_point_lights;
+
+/* All of them. */
+extern const struct raster_parts raster_all_parts;
+
+#endif
