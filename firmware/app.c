@@ -9,13 +9,15 @@ enum {
     TICKS_VISIBLE_MESHLET = 400, /* the culled ones' share included */
 };
 
-static bool config_valid(const struct app_config *c)
+static bool config_valid(const struct hal *hal, const struct app_config *c)
 {
     if (c->width == 0 || c->width > RASTER_MAX_WIDTH || c->height == 0 || c->height > RASTER_MAX_HEIGHT ||
         c->format > RASTER_RGB888 || (c->samples > 1 && c->samples != 4) || c->slot_count < 2 ||
         c->slot_count > USB_MAX_SLOTS)
         return false;
-    if (!c->parts || !c->arena || (uintptr_t)c->arena % 8 != 0 || !c->costs || !c->serial)
+    if (!c->parts || !c->arena || (uintptr_t)c->arena % 8 != 0 || !c->serial)
+        return false;
+    if ((!c->costs && (c->budgets || !hal->clock)) || (c->tile_budget && !c->budgets))
         return false;
     size_t n = 0;
     while (n <= USB_MAX_SERIAL_CHARS && c->serial[n])
@@ -26,7 +28,7 @@ static bool config_valid(const struct app_config *c)
 enum app_status app_init(struct app *app, const struct hal *hal, const struct app_config *config)
 {
     __builtin_memset(app, 0, sizeof *app);
-    if (!config_valid(config))
+    if (!config_valid(hal, config))
         return APP_ERR_CONFIG;
     app->hal = hal;
     app->config = *config;
@@ -49,6 +51,7 @@ static uint32_t clock_now(const struct app *app)
 /* Bounds are found only for a budget, or where the costs are the clock. */
 static struct raster_frame frame_of(const struct app *app, uint32_t tile_budget)
 {
+    const struct budget_scheduler *budgets = app->config.budgets;
     const struct app_content *c = &app->content;
     return (struct raster_frame){
         .parts = app->config.parts,
@@ -59,6 +62,7 @@ static struct raster_frame frame_of(const struct app *app, uint32_t tile_budget)
         .materials = c->materials,
         .tables = c->table_of_slot,
         .costs = tile_budget || !app->hal->clock ? app->config.costs : NULL,
+        .bounds = budgets && (tile_budget || !app->hal->clock) ? budgets->bounds : NULL,
         .tile_budget = tile_budget,
         .memory = tile_budget ? app->config.memory : NULL,
         .width = app->config.width,
@@ -87,7 +91,8 @@ enum raster_status app_frame_begin(struct app *app, bool streamed)
     f->refused = status != RASTER_OK;
     if (f->refused)
         return status;
-    budget_begin(&f->budget, app->hal, &f->raster, what.tile_budget);
+    if (what.tile_budget)
+        app->config.budgets->begin(&f->budget, app->hal, &f->raster, what.tile_budget);
     f->active = true;
     f->streamed = streamed;
     /* the statistics must hold still while they are being sent */
@@ -161,6 +166,17 @@ static void tile_record(struct app *app, uint32_t index, const struct raster_sta
         app->config.tile_stats[index] = t;
 }
 
+/* In full, whatever it takes. */
+static void tile_render_full(struct app *app, struct budget_report *report, uint32_t index, struct raster_rect *rect,
+                             struct raster_stats *s)
+{
+    const uint32_t start = clock_now(app);
+    raster_render_tile(&app->frame.raster, index, &app->frame.work, rect, s);
+    *report = (struct budget_report){.spent = app->hal->clock ? clock_now(app) - start
+                                                              : (uint32_t)(s->cost >> RASTER_COST_BITS),
+                                     .lights = RASTER_ALL_LIGHTS};
+}
+
 static void tile_render(struct app *app)
 {
     struct app_frame *f = &app->frame;
@@ -168,7 +184,10 @@ static void tile_render(struct app *app)
     struct raster_stats s;
     struct budget_report report;
     uint32_t index = f->next_tile++;
-    budget_render_tile(&f->budget, &report, &f->raster, index, &f->work, &rect, &s);
+    if (f->raster.frame.tile_budget)
+        app->config.budgets->render_tile(&f->budget, &report, &f->raster, index, &f->work, &rect, &s);
+    else
+        tile_render_full(app, &report, index, &rect, &s);
     tile_record(app, index, &s, &report);
     app->push_credit += report.spent / (APP_PUSH_SHARE * APP_PUSH_COST) + 1; /* < 2^27 */
     if (app->push_credit > USB_MAX_DATA)

@@ -23,7 +23,9 @@ struct app_config {
     const struct raster_parts *parts; /* of the renderer, that the firmware has: scenes that need others are refused */
     void *arena;                      /* 8-aligned: bins and transforms of a frame, and what the host has set */
     size_t arena_bytes;
-    const struct raster_costs *costs;  /* of the target (hal/costs): what a budget goes by, and ticks without a clock */
+    const struct raster_costs *costs; /* of the target (hal/costs): what a budget goes by, and ticks without a clock */
+    const struct budget_scheduler
+        *budgets;                      /* &budget_scheduler, or NULL: the firmware is without, and SET refuses one */
     uint32_t tile_budget;              /* ticks per tile on average until the host sets another; 0: no limit */
     struct raster_memory *memory;      /* zeroed, or NULL: budgets do not know what the last frame's surfaces showed */
     struct usb_tile_stats *tile_stats; /* one per tile, or NULL: no per-tile statistics */

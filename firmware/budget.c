@@ -58,8 +58,6 @@ void budget_begin(struct budget *b, const struct hal *hal, const struct raster *
     const uint32_t tiles = raster_tile_count(r);
     b->hal = hal;
     b->mean = mean;
-    if (!mean)
-        return;
     b->left = (uint64_t)mean * tiles; /* < 2^50 */
     b->least = b->drawing = b->demand = b->overhead = b->most_least = 0;
     for (uint32_t t = 0; t < tiles; t++) {
@@ -349,14 +347,12 @@ void budget_render_tile(struct budget *b, struct budget_report *report, const st
     *report = (struct budget_report){.lights = RASTER_ALL_LIGHTS};
     *stats = (struct raster_stats){0};
     k.start = b->hal->clock ? b->hal->clock(b->hal->ctx) : 0;
-    if (b->mean) {
-        raster_tile_begin(r, index, work, rect, stats);
-        render(&k);
-        raster_tile_finish(r, work, rect, stats);
-        b->lit = lit_share(b->lit, stats);
-    } else {
-        raster_render_tile(r, index, work, rect, stats);
-    }
+    raster_tile_begin(r, index, work, rect, stats);
+    render(&k);
+    raster_tile_finish(r, work, rect, stats);
+    b->lit = lit_share(b->lit, stats);
     report->spent = elapsed(&k);
-    b->left -= b->mean && report->spent < b->left ? report->spent : 0;
+    b->left -= report->spent < b->left ? report->spent : 0;
 }
+
+const struct budget_scheduler budget_scheduler = {&raster_tile_bounds, budget_begin, budget_render_tile};

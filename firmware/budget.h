@@ -72,7 +72,7 @@ struct budget_ratio {
     uint32_t over, under;
 };
 
-/* A frame's; no budget where mean is 0. What was learnt of the frames before remains: begin the first one with all 0. */
+/* A frame's. What was learnt of the frames before remains: begin the first one with all 0. */
 struct budget {
     const struct hal *hal; /* its clock, or NULL: ticks are modelled */
     uint32_t mean;         /* ticks per tile */
@@ -87,12 +87,21 @@ struct budget {
     struct budget_plan plan;
 };
 
-/* Begins a frame. In: *r as raster_begin filled it, with costs; mean as there, or 0. */
+/* Begins a frame. In: *r as raster_begin filled it, with bounds; mean as there, > 0. */
 void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean);
 
 /* Renders a tile as raster_render_tile does, within its share. Tiles in any order, each once. */
 void budget_render_tile(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,
                         struct raster_tile *work, struct raster_rect *rect, struct raster_stats *stats);
+
+/* All of it: a program that does not refer to this is linked without budgets. */
+struct budget_scheduler {
+    const struct raster_bounds *bounds; /* for the frame */
+    void (*begin)(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean);
+    void (*render_tile)(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,
+                        struct raster_tile *work, struct raster_rect *rect, struct raster_stats *stats);
+};
+extern const struct budget_scheduler budget_scheduler;
 
 /* --- budget_plan.c, for budget.c --- */
 

@@ -152,6 +152,8 @@ static struct table_store_result set_model(struct app *app, uint32_t model)
 
 static struct table_store_result set_budget(struct app *app, uint32_t tile_budget)
 {
+    if (tile_budget && !app->config.budgets)
+        return refused(0);
     struct table_store_result r = app_check_budget(app, tile_budget);
     if (r.status == USB_OK)
         app->content.tile_budget = tile_budget;

@@ -31,10 +31,8 @@ struct binner {
     uint32_t run_count, run_limit;
     struct newest *window; /* NULL: runs are stored; else counted, in the tiles from window_first on */
     uint32_t window_first;
-    uint16_t *heads;                /* where they are stored */
-    bool at_coarsest;               /* every object is taken at its last level, for coarse_heads */
-    struct magnitude corner_secant; /* with costs */
-    struct raster_extent extent;    /* of the object in hand */
+    uint16_t *heads;  /* where they are stored */
+    bool at_coarsest; /* every object is taken at its last level, for coarse_heads */
 };
 
 /* Tiles a meshlet touches, and its class. */
@@ -219,20 +217,6 @@ static void bin_count(struct binner *b, uint32_t tile, uint32_t object, uint32_t
         *run = (struct newest){takes ? run->object + 1 : object << RUN_BITS, meshlet};
 }
 
-/* What it takes, to every tile it touches. */
-static void bound_meshlet(const struct binner *b, const struct raster_object *o, const struct scene_meshlet *m,
-                          const struct coverage *c)
-{
-    const bool small = c->flags & VISIBLE_SMALL;
-    struct raster_load load;
-    if (b->at_coarsest) {
-        raster_bound_coarse(b->r, o, m, &c->tiles, small);
-    } else {
-        raster_load_find(&load, b->r, &b->extent, o, m, c->nearest, small, c->cut);
-        raster_bound_wanted(b->r, &load, &b->extent, &c->tiles);
-    }
-}
-
 static void bin_meshlet(struct binner *b, uint32_t object, uint32_t meshlet, const struct coverage *c)
 {
     b->r->visible_count++;
@@ -317,9 +301,10 @@ static const struct scene_lod *choose_level(struct binner *b, const struct raste
 static void bin_object(struct binner *b, const struct raster_object *o, uint32_t index)
 {
     const struct scene_lod *lod = choose_level(b, o);
-    const bool bounded = b->r->bounds && !b->window;
-    if (bounded && !b->at_coarsest)
-        raster_extent_setup(&b->extent, b->r, o, b->corner_secant);
+    const struct raster_bounds *bounds = b->window ? NULL : b->r->frame.bounds;
+    struct raster_extent extent;
+    if (bounds && !b->at_coarsest)
+        bounds->object(&extent, b->r, o);
     for (uint32_t k = 0; k < lod->meshlet_count && !b->full; k++) {
         uint32_t id = lod->meshlet_first + k;
         const struct scene_meshlet *m = &b->r->frame.scene->meshlets[id];
@@ -327,8 +312,8 @@ static void bin_object(struct binner *b, const struct raster_object *o, uint32_t
         if (cone_culled(o, m) || !box_coverage(&c, b->r, o, m->lo, m->hi))
             continue;
         bin_meshlet(b, index, id, &c);
-        if (bounded)
-            bound_meshlet(b, o, m, &c);
+        if (bounds)
+            bounds->meshlet(b->r, b->at_coarsest ? NULL : &extent, o, m, &c.tiles, c.nearest, c.flags, c.cut);
     }
 }
 
@@ -366,7 +351,7 @@ static void store_bins(struct binner *b)
     for (uint32_t t = 0; t < raster_tile_count(r) * (r->bounds ? 2 : 1); t++)
         r->heads[t] = 0; /* coarse_heads follow */
     if (r->bounds) {
-        raster_bounds_clear(r);
+        r->frame.bounds->clear(r);
         b->heads = r->coarse_heads;
         b->at_coarsest = true;
         bin_objects(b);
@@ -384,23 +369,13 @@ FX_NOINLINE static void count_bins(struct binner *b)
     start_bins(b, UINT16_MAX);
     b->window = window;
     for (b->window_first = 0; b->window_first < raster_tile_count(b->r) && !b->full; b->window_first += WINDOW_TILES) {
-        for (unsigned pass = b->r->frame.costs ? 0 : 1; pass < 2; pass++) {
+        for (unsigned pass = b->r->frame.bounds ? 0 : 1; pass < 2; pass++) {
             for (uint32_t i = 0; i < WINDOW_TILES; i++)
                 window[i].object = UINT32_MAX;
             b->at_coarsest = pass == 0;
             bin_objects(b);
         }
     }
-}
-
-/* Whether drawing is expected to leave less of the frame's budget than the last rung of shading takes: three quarters of what is needed. */
-static bool draws_too_much(struct raster *r)
-{
-    if (!r->bounds)
-        return false;
-    r->budget_needed = raster_min_tile_budget(r);
-    const uint64_t tiles = raster_tile_count(r), drawing = raster_bounds_drawing(r);
-    return r->frame.tile_budget && drawing + (uint64_t)r->budget_needed * 3 / 4 * tiles > r->frame.tile_budget * tiles;
 }
 
 static enum raster_status check_frame(struct raster *r, const struct raster_frame *f)
@@ -440,9 +415,9 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     r->tiles_x = (uint16_t)((r->width + RASTER_TILE_WIDTH - 1) / RASTER_TILE_WIDTH);
     r->tiles_y = (uint16_t)((r->height + RASTER_TILE_HEIGHT - 1) / RASTER_TILE_HEIGHT);
     uint32_t tiles = raster_tile_count(r);
-    size_t head_bytes = ((f->costs ? 2 : 1) * tiles * sizeof(uint16_t) + 7) & ~(size_t)7;
+    size_t head_bytes = ((f->bounds ? 2 : 1) * tiles * sizeof(uint16_t) + 7) & ~(size_t)7;
     size_t light_bytes = raster_light_bytes(f); /* both multiples of 8, for objects are 8-aligned */
-    size_t bound_bytes = f->costs ? (tiles * sizeof *r->bounds + 7) & ~(size_t)7 : 0;
+    size_t bound_bytes = f->bounds ? (tiles * sizeof *r->bounds + 7) & ~(size_t)7 : 0;
     size_t fixed_bytes = head_bytes + light_bytes + bound_bytes;
     bytes &= ~(size_t)3;
     uint32_t threshold = f->scene->header->lod_error;
@@ -457,9 +432,8 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
         r->heads = (uint16_t *)p;
         r->lights = (struct raster_light *)(void *)(p + head_bytes);
         r->objects = (struct raster_object *)(p + fixed_bytes);
-        if (f->costs) {
+        if (f->bounds) {
             r->coarse_heads = r->heads + tiles;
-            b.corner_secant = raster_corner_secant(f);
             r->bounds = (struct raster_tile_bound *)(void *)(p + head_bytes + light_bytes);
         }
         raster_view_setup(&r->view, f->camera, f->width, f->height);
@@ -473,7 +447,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
             store_bins(&b);
         else
             count_bins(&b);
-        const bool too_much = !b.full && draws_too_much(r);
+        const bool too_much = !b.full && r->bounds && f->bounds->too_much(r);
         if ((!b.full && !too_much) || b.coarsest || b.bias == MAX_BIAS)
             break;
     }

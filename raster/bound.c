@@ -232,3 +232,31 @@ uint64_t raster_bounds_drawing(const struct raster *r)
         sum += r->bounds[t].drawing;
     return sum;
 }
+
+static void bound_object(struct raster_extent *e, const struct raster *r, const struct raster_object *o)
+{
+    raster_extent_setup(e, r, o, raster_corner_secant(&r->frame));
+}
+
+static void bound_meshlet(struct raster *r, const struct raster_extent *e, const struct raster_object *o,
+                          const struct scene_meshlet *m, const struct raster_tiles *tiles, int32_t nearest,
+                          uint32_t flags, bool cut)
+{
+    const bool small = flags & VISIBLE_SMALL;
+    struct raster_load load;
+    if (!e) {
+        raster_bound_coarse(r, o, m, tiles, small);
+    } else {
+        raster_load_find(&load, r, e, o, m, nearest, small, cut);
+        raster_bound_wanted(r, &load, e, tiles);
+    }
+}
+
+static bool draws_too_much(struct raster *r)
+{
+    r->budget_needed = raster_min_tile_budget(r);
+    const uint64_t tiles = raster_tile_count(r), drawing = raster_bounds_drawing(r);
+    return r->frame.tile_budget && drawing + (uint64_t)r->budget_needed * 3 / 4 * tiles > r->frame.tile_budget * tiles;
+}
+
+const struct raster_bounds raster_tile_bounds = {raster_bounds_clear, bound_object, bound_meshlet, draws_too_much};

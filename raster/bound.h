@@ -35,6 +35,20 @@ struct raster_load {
     uint32_t shown;         /* pixels^2 in all tiles, at most */
 };
 
+/* What bin.c calls, of frames that have it. */
+struct raster_bounds {
+    void (*clear)(struct raster *r);
+    void (*object)(struct raster_extent *e, const struct raster *r, const struct raster_object *o);
+    /* Adds a meshlet, with its VISIBLE_* flags, to the tiles that it touches; e NULL: one of the coarsest levels. In: nearest, the box's
+     * least depth in W; whether it may have to be clipped. */
+    void (*meshlet)(struct raster *r, const struct raster_extent *e, const struct raster_object *o,
+                    const struct scene_meshlet *m, const struct raster_tiles *tiles, int32_t nearest, uint32_t flags,
+                    bool cut);
+    /* All meshlets being known: sets r->budget_needed. Whether drawing is expected to leave less of the frame's budget than the last rung
+     * of shading takes: three quarters of what is needed. */
+    bool (*too_much)(struct raster *r);
+};
+
 void raster_bounds_clear(struct raster *r);
 /* 1/cos(phi) at the picture's corner, at most: 1 + tan^2(phi)/2. */
 struct magnitude raster_corner_secant(const struct raster_frame *f);

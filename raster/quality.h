@@ -56,7 +56,7 @@ enum raster_drawing {
 enum raster_drawing raster_tile_draw(const struct raster *r, struct raster_tile *t, uint32_t most,
                                      struct raster_stats *stats);
 
-/* Begins a tile again, with the coarsest level of every object, of a frame with costs: for a tile whose time does not suffice. */
+/* Begins a tile again, with the coarsest level of every object, of a frame with bounds: for a tile whose time does not suffice. */
 void raster_tile_restart(const struct raster *r, uint32_t index, struct raster_tile *t);
 
 /* Counts the pixels that wait for their shading, sorted into classes, and finds the lights that may reach them. The result lives in the tile until
@@ -132,6 +132,10 @@ struct raster_costs {
         uint32_t flat;     /* a meshlet at rate flat, under RASTER_LEAST_LIGHTS lights of any kind */
     } shading[RASTER_SHADE_COUNT];
 };
+
+/* For raster_frame.bounds: a program that does without budgets is linked without it. */
+extern const struct raster_bounds raster_tile_bounds;
+
 /* Samples of a class's area at a rate: at most (at rates 1x1 of one sample per pixel, 4x4 and in areas of whole cells this many); and what is
  * likely, for all rates, without light or colour being known. */
 uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, uint32_t class_id,

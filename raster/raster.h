@@ -62,9 +62,10 @@ struct raster_frame {
     uint8_t light_count;
     uint8_t format;  /* enum raster_format */
     uint8_t samples; /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
-    const struct raster_costs
-        *costs;                   /* what the target takes (quality.h): tiles' bounds are found; NULL: they are not */
-    uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs costs */
+    const struct raster_costs *costs; /* what the target takes (quality.h); NULL: it is not counted */
+    const struct raster_bounds
+        *bounds;                  /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
+    uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs bounds */
     struct raster_memory *memory; /* zero at first; NULL: nothing is remembered. No two threads' tiles may share it */
 };
 
@@ -135,7 +136,7 @@ struct raster {
     size_t arena_needed; /* bytes of arena that this frame uses */
     uint32_t lod_bias;   /* how often the threshold for levels of detail was doubled to make the frame fit */
     uint32_t bad_material;
-    struct raster_tile_bound *bounds; /* per tile, in the arena; NULL without costs */
+    struct raster_tile_bound *bounds; /* per tile, in the arena; NULL where they are not found */
     uint16_t *coarse_heads;           /* as heads, of all objects' coarsest levels; likewise */
     uint32_t budget_needed;           /* the mean of tiles' least ticks, rounded up */
 };

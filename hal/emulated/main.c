@@ -46,6 +46,7 @@ _Noreturn void board_main(void)
         .arena = arena,
         .arena_bytes = sizeof arena,
         .costs = &costs_cortex_m7,
+        .budgets = &budget_scheduler,
         .memory = &memory,
         .tile_stats = tile_stats,
         .tile_stats_count = TILES,

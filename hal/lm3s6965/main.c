@@ -6,7 +6,6 @@
  */
 #include "app.h"
 #include "board.h"
-#include "costs/cortex_m3.h"
 #include "image.h"
 #include "oled.h"
 
@@ -51,7 +50,6 @@ _Noreturn void board_main(void)
         .parts = &parts,
         .arena = arena,
         .arena_bytes = sizeof arena,
-        .costs = &costs_cortex_m3,
         .serial = "GT-LM3S6965",
     };
     oled_init();

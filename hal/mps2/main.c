@@ -59,6 +59,7 @@ _Noreturn void board_main(void)
         .arena = arena,
         .arena_bytes = sizeof arena,
         .costs = &costs_cortex_m4,
+        .budgets = &budget_scheduler,
         .serial = "GT-MPS2-0001",
     };
     if (app_init(&app, &hal, &config) != APP_OK)

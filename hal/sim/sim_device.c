@@ -37,6 +37,7 @@ struct sim_device *sim_device_create(const struct sim_config *config)
         .arena = malloc(c->arena_bytes),
         .arena_bytes = c->arena_bytes,
         .costs = &costs_cortex_m7,
+        .budgets = &budget_scheduler,
         .tile_budget = c->tile_budget,
         .memory = calloc(1, sizeof(struct raster_memory)),
         .tile_stats = calloc(tiles, sizeof(struct usb_tile_stats)),

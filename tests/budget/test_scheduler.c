@@ -107,7 +107,13 @@ static uint64_t render(struct sim_device *d, uint32_t budget, uint8_t *picture)
         struct budget_report t;
         struct raster_rect rect;
         struct raster_stats stats;
-        budget_render_tile(&f->budget, &t, &f->raster, i, &f->work, &rect, &stats);
+        if (budget) {
+            budget_render_tile(&f->budget, &t, &f->raster, i, &f->work, &rect, &stats);
+        } else {
+            raster_render_tile(&f->raster, i, &f->work, &rect, &stats);
+            t = (struct budget_report){.spent = (uint32_t)(stats.cost >> RASTER_COST_BITS),
+                                       .lights = RASTER_ALL_LIGHTS};
+        }
         spent += t.spent;
         own += t.own;
         reduced |= t.coarsest || t.coarse || t.lights != RASTER_ALL_LIGHTS;
@@ -287,6 +293,28 @@ static void the_host_sets_budgets_and_reads_what_they_cost(void **unused)
     sim_device_destroy(d);
 }
 
+static void firmware_without_budgets_refuses_any(void **unused)
+{
+    static uint8_t picture[PICTURE], same[PICTURE];
+    struct usb_header h;
+    struct usb_stats s;
+    uint32_t detail = 7;
+    (void)unused;
+    struct sim_device *d = device_with_tables();
+    push_scene(d, SCENES_LIGHTS, 1);
+    assert_true(sim_device_frame(d, picture, &h) && h.status == USB_OK);
+    d->app.config.budgets = NULL;
+    assert_int_equal(set_budget(d, 1u << 26, &detail), USB_ERR_VALUE);
+    assert_int_equal(detail, 0);
+    assert_int_equal(set_budget(d, 0, &detail), USB_OK);
+    assert_true(sim_device_frame(d, same, &h) && h.status == USB_OK);
+    assert_memory_equal(picture, same, PICTURE);
+    statistics(d, &s);
+    assert_int_equal(s.least_tile_budget, 0);
+    assert_true(s.total.ticks > 0);
+    sim_device_destroy(d);
+}
+
 static void a_frame_that_a_budget_no_longer_allows_is_refused_with_the_least(void **unused)
 {
     static uint8_t picture[PICTURE];
@@ -399,6 +427,7 @@ int main(void)
         cmocka_unit_test(generous_budgets_change_no_pixel),
         cmocka_unit_test(larger_budgets_err_less),
         cmocka_unit_test(the_host_sets_budgets_and_reads_what_they_cost),
+        cmocka_unit_test(firmware_without_budgets_refuses_any),
         cmocka_unit_test(a_frame_that_a_budget_no_longer_allows_is_refused_with_the_least),
         cmocka_unit_test(an_animation_does_not_pop),
     };

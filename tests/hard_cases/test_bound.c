@@ -53,7 +53,8 @@ static struct raster_frame six_models(const struct scene_camera *camera, const s
                                  .height = HEIGHT,
                                  .light_count = (uint8_t)six.header->lights.count,
                                  .format = RASTER_RGB888,
-                                 .costs = costs};
+                                 .costs = costs,
+                                 .bounds = &raster_tile_bounds};
 }
 
 struct sums {
@@ -158,6 +159,7 @@ static void random_triangles_stay_within_their_bounds(void **state)
         struct opened o;
         open_scene(&o, &b, n % 2 ? WIDTH : 97, n % 2 ? HEIGHT : 61);
         o.frame.costs = n & 4 ? &of_tested : &of_triangles;
+        o.frame.bounds = &raster_tile_bounds;
         o.frame.samples = n & 8 ? 4 : 1;
         struct sums s = frame_within_bounds(&o.frame);
         if (o.frame.costs == &of_tested) {

@@ -122,7 +122,8 @@ static void begin(uint32_t light_count, uint8_t samples)
                                        .light_count = (uint8_t)light_count,
                                        .format = RASTER_RGB888,
                                        .samples = samples,
-                                       .costs = &of_rows};
+                                       .costs = &of_rows,
+                                       .bounds = &raster_tile_bounds};
     checked(raster_begin(&raster, &frame, arena, sizeof arena) == RASTER_OK, "no frame");
 }
 
