@@ -90,7 +90,7 @@ bench: deps-bench ## measure; writes build/bench/results.csv
 bench-built: all demo-data $(BENCH_C:tests/%.c=$(B)/%)
 	@B=$(B) tests/bench/run.sh
 
-size: deps-bench ## print code size per module and target
+size: deps-bench ## print code size per folder and target, and what products link
 	@B=$(B) tests/bench/size.sh
 
 lint: ## include rules, format, documents

@@ -15,7 +15,7 @@ uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t
                                 const struct raster_block_light *light)
 {
     if (table->height > LOOP_MAX_H)
-        return raster_half_vector_packed(b, first, end, table, light);
+        return raster_half_vector_plain(b, first, end, table, light);
     const struct half_vector_constants c = half_vector_constants_find(table, light);
     const struct half_vector_loop k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
                                        .half = (1u << 21) - 64,
@@ -32,7 +32,7 @@ uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t
         lit -= (uint32_t)(out >> 32);
         i = (uint32_t)(bright - b->pixel);
         if (i < end)
-            raster_half_vector_packed(b, i, i + 1, table, light);
+            raster_half_vector_plain(b, i, i + 1, table, light);
     }
     return lit;
 }

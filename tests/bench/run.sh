@@ -60,6 +60,8 @@ for t in cortex-m0 cortex-m3 cortex-m4 cortex-m7 rv32imac; do
     done
 done
 
+tests/bench/products.sh >>"$csv"
+
 # --- size: RAM ---
 t=cortex-m7
 cat >"$work/sizes.c" <<'SIZES'

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints the size of code and constants at -O2 per folder and target, in bytes. Nothing has data or bss (tests/cross.sh).
+# Prints the size of code and constants per folder and target, in bytes, then of products. Nothing has data or bss (tests/cross.sh).
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/targets.sh
@@ -19,3 +19,5 @@ for t in $TARGETS; do
         target_text_bytes "$t" "$work/$t/$part.o"
     done)
 done
+printf '\n'
+tests/bench/products.sh | tr , ' ' | awk '{ printf "%-12s %-26s %8d\n", $2, $3, $6 }'

@@ -2,7 +2,7 @@
 # compiled with the same options.
 BOARD_OPT   ?= -O2
 # Files compiled for size.
-BOARD_COLD  := $(shell sed -n 's/^COLD="\(.*\)"$$/\1/p' tests/targets.sh)
+BOARD_COLD  := $(shell bash -c '. tests/targets.sh && echo $$COLD')
 DEPS_BOARD  := $(CROSS) qemu-system-arm qemu-system-misc
 DEPS_CHECK  += $(DEPS_BOARD)
 DEPS_BENCH  += $(DEPS_BOARD) llvm-14
