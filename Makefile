@@ -156,7 +156,7 @@ $(B)/goniotile_oiio.so: host_tools/oiio_shim.cc host_tools/oiio_shim.h
 
 # --- the demo's scene and tables, also what golden and budget tests and the benchmark render ---
 MATERIALS := matte_white plastic_red gold plastic_blue_rough copper_satin satin_green
-demo-data: $(B)/demo/six_models.blob $(B)/demo/points.blob $(MATERIALS:%=$(B)/demo/%.ktx2)
+demo-data: $(B)/demo/six_models.blob $(B)/demo/points.blob $(B)/demo/material.blob $(MATERIALS:%=$(B)/demo/%.ktx2)
 $(B)/demo/%.blob: host_tools/scenes/%.json $(B)/gtscene
 	@mkdir -p $(@D)
 	$(B)/gtscene build $< -o $@

@@ -110,7 +110,7 @@ void fit_source(struct brdf_source *out, const struct fit *fit)
 
 struct sample {
     struct geometry g;
-    double rgb[3], weight; /* the square root of what its squared error counts */
+    double cosine, shown[3], weight; /* the square root of what its squared error counts */
 };
 
 struct samples {
@@ -132,6 +132,12 @@ static double random_unit(uint64_t *state)
     return (double)(random_next(state) >> 11) * 0x1p-53;
 }
 
+/* As bright as it looks, nearly: plain values would leave all to a mirror's peak, which no display shows, and to grazing light. */
+static double shown(double value, double cosine)
+{
+    return cbrt(fmax(value, 0) * cosine + 0.001);
+}
+
 static void add_slice(struct samples *out, const struct measurement_slice *s)
 {
     double l[3] = {sin(s->theta_in * degree), 0, cos(s->theta_in * degree)};
@@ -146,35 +152,41 @@ static void add_slice(struct samples *out, const struct measurement_slice *s)
             double phi = (s->phi_first + (double)k * 360 / (double)s->phi_count) * degree;
             double v[3] = {sin(theta * degree) * cos(phi), sin(theta * degree) * sin(phi), cosine};
             struct sample *x = &out->sample[out->count++];
-            *x = (struct sample){.g = geometry_of(l, v), .weight = cosine * sqrt(solid)};
-            memcpy(x->rgb, s->rgb + 3 * cell, sizeof x->rgb);
+            *x = (struct sample){.g = geometry_of(l, v), .cosine = cosine, .weight = sqrt(solid)};
+            for (int c = 0; c < 3; c++)
+                x->shown[c] = shown(s->rgb[3 * cell + (size_t)c], cosine);
         }
     }
 }
 
+static void sample_errors(double out[3], const struct sample *x, enum fit_model model, const double *p)
+{
+    double rgb[3];
+    model_value(rgb, model, p, &x->g);
+    for (int c = 0; c < 3; c++)
+        out[c] = x->weight * (shown(rgb[c], x->cosine) - x->shown[c]);
+}
+
 static double squared_error(const struct samples *s, const double *p)
 {
-    double sum = 0;
+    double sum = 0, e[3];
     for (size_t i = 0; i < s->count; i++) {
-        const struct sample *x = &s->sample[i];
-        double rgb[3];
-        model_value(rgb, s->model, p, &x->g);
-        for (int c = 0; c < 3; c++)
-            sum += x->weight * x->weight * (rgb[c] - x->rgb[c]) * (rgb[c] - x->rgb[c]);
+        sample_errors(e, &s->sample[i], s->model, p);
+        sum += e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
     }
     return sum;
 }
 
-enum { THIN = 8000 };
+enum { COARSE = 1000, FINE = 5000 };
 
-/* All samples near the lobe, a random share of the others in proportion. */
-static void thin_out(struct samples *out, const struct samples *all, uint64_t *random)
+/* About `limit` random samples near the lobe and as many others, weighted for those left out. */
+static void thin_out(struct samples *out, const struct samples *all, double limit, uint64_t *random)
 {
     size_t near = 0;
     for (size_t i = 0; i < all->count; i++)
         near += all->sample[i].g.vr > 0.98;
-    double rest = (double)(all->count - near), keep = fmin(1, THIN / fmax(rest, 1));
-    double keep_near = fmin(1, 2.0 * THIN / fmax((double)near, 1));
+    double rest = (double)(all->count - near), keep = fmin(1, limit / fmax(rest, 1));
+    double keep_near = fmin(1, limit / fmax((double)near, 1));
     *out = (struct samples){.model = all->model, .sample = xmalloc(all->count * sizeof *out->sample)};
     for (size_t i = 0; i < all->count; i++) {
         double share = all->sample[i].g.vr > 0.98 ? keep_near : keep;
@@ -199,14 +211,12 @@ static void parameters_of(double p[FIT_PARAMETERS], enum fit_model model, const 
 static int residuals(const gsl_vector *x, void *data, gsl_vector *out)
 {
     const struct samples *s = data;
-    double p[FIT_PARAMETERS];
+    double p[FIT_PARAMETERS], e[3];
     parameters_of(p, s->model, x);
     for (size_t i = 0; i < s->count; i++) {
-        const struct sample *sample = &s->sample[i];
-        double rgb[3];
-        model_value(rgb, s->model, p, &sample->g);
+        sample_errors(e, &s->sample[i], s->model, p);
         for (size_t c = 0; c < 3; c++)
-            gsl_vector_set(out, 3 * i + c, sample->weight * (rgb[c] - sample->rgb[c]));
+            gsl_vector_set(out, 3 * i + c, e[c]);
     }
     return GSL_SUCCESS;
 }
@@ -238,20 +248,24 @@ void fit_make(struct fit *out, enum fit_model model, const struct measurement_gr
               const char *path)
 {
     gsl_set_error_handler_off();
-    struct samples all = {.model = model}, few;
+    struct samples all = {.model = model}, few, fewer;
     size_t room = 0;
     for (size_t i = 0; i < grid->count; i++)
         room += grid->slices[i].theta_count * grid->slices[i].phi_count;
     all.sample = xmalloc(room * sizeof *all.sample);
     for (size_t i = 0; i < grid->count; i++)
         add_slice(&all, &grid->slices[i]);
-    double energy = 0;
+    double energy = 0, brightest = 0;
     for (size_t i = 0; i < all.count; i++)
-        for (int c = 0; c < 3; c++)
-            energy += all.sample[i].weight * all.sample[i].weight * all.sample[i].rgb[c] * all.sample[i].rgb[c];
-    if (all.count < 8 || !(energy > 0))
+        for (int c = 0; c < 3; c++) {
+            const struct sample *x = &all.sample[i];
+            energy += x->weight * x->weight * x->shown[c] * x->shown[c];
+            brightest = fmax(brightest, x->weight * (x->shown[c] - shown(0, 1)));
+        }
+    if (all.count < 8 || !(brightest > 0))
         die(EXIT_BAD_INPUT, "%s: %zu measured samples, black or all at the horizon; nothing to fit", path, all.count);
-    thin_out(&few, &all, &seed);
+    thin_out(&few, &all, FINE, &seed);
+    thin_out(&fewer, &all, COARSE, &seed);
 
     const int count = models[model].count;
     double best[FIT_PARAMETERS] = {0}, errors[FIT_STARTS];
@@ -264,8 +278,8 @@ void fit_make(struct fit *out, enum fit_model model, const struct measurement_gr
             double u = i == count - 1 ? ((double)start + 0.5) / FIT_STARTS : 0.05 + 0.9 * random_unit(&seed);
             p[i] = b.lo + (b.hi - b.lo) * u;
         }
-        descend(p, &few, 60);
-        errors[start] = squared_error(&few, p);
+        descend(p, &fewer, 40);
+        errors[start] = squared_error(&fewer, p);
         if (errors[start] < errors[winner] || !start) {
             winner = start;
             memcpy(best, p, sizeof best);
@@ -274,11 +288,12 @@ void fit_make(struct fit *out, enum fit_model model, const struct measurement_gr
     *out = (struct fit){.model = model, .count = count, .samples = all.count};
     for (int i = 0; i < FIT_STARTS; i++)
         out->agreed += errors[i] <= 1.0201 * errors[winner] + 1e-12 * energy;
-    descend(best, &few, 200);
+    descend(best, &few, 80);
     out->error = sqrt(squared_error(&all, best) / energy);
     memcpy(out->parameter, best, sizeof best);
     if (model != FIT_GGX)
         out->parameter[6] = expm1(best[6]);
     free(few.sample);
+    free(fewer.sample);
     free(all.sample);
 }

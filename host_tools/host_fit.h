@@ -1,8 +1,8 @@
 /*
  * Fits an analytic reflectance model of the renderer (SPEC.md, "A material") to a measurement: bounded nonlinear least squares
  * (Levenberg-Marquardt of the GNU Scientific Library over variables that a sine keeps in bounds, as in James and Roos 1975) of the
- * BRDF times cos(theta_out) over the solid angle that each sample stands for, every angle of incidence counting the same, from
- * several starts. Deterministic.
+ * cube root of the BRDF times cos(theta_out), plus 0.001, over the solid angle that each sample stands for, every angle of incidence
+ * counting the same, from several starts. Deterministic.
  */
 #ifndef HOST_TOOLS_HOST_FIT_H
 #define HOST_TOOLS_HOST_FIT_H
@@ -20,7 +20,7 @@ struct fit {
     enum fit_model model;
     int count; /* parameters in use */
     double parameter[FIT_PARAMETERS];
-    double error;   /* sqrt(sum w |f - g|^2 / sum w |g|^2) over all measured samples, g the measurement, w as above */
+    double error;   /* sqrt(sum w |f - g|^2 / sum w |g|^2) over all measured samples, f and g these roots, g the measurement's */
     int agreed;     /* starts, the best included, that ended within 1 % of the best error */
     size_t samples; /* measured ones; extrapolated ones do not count */
 };

@@ -105,6 +105,7 @@ for target in cortex-m3 cortex-m4 cortex-m7; do
     cmp "$work/costs.h" hal/costs/${target//-/_}.h || { echo "bench: make calibrate BOARD=$target has not been run" >&2; exit 1; }
 done
 B=$B GONIOTILE_ROWS=$csv tests/e2e/test_budget_boards.sh >"$work/budget" 2>&1 || { cat "$work/budget" >&2; exit 1; }
+B=$B tests/bench/de03_rows.sh >>"$csv" 2>"$work/de03" || { cat "$work/de03" >&2; exit 1; }
 "$B/bench/bench_tables" >"$work/tables"
 grep -v '^#' "$work/tables" >>"$csv" || cat "$work/tables" >&2 # the data folder is missing
 B=$B tests/bench/llvmpipe_rows.sh >>"$csv"

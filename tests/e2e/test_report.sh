@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# make report: two cheap chapters with tiny pictures and without the data folder.
+# make report: three cheap chapters with tiny pictures and without the data folder.
 . tests/tap.sh
 B=$(cd "${B:-build}" && pwd) || exit 1
 SVG=$PWD/tests/e2e/svg_images.mjs
 # A build folder of its own: the report of who runs this stays.
 mkdir "$work/b"
-for name in gtlut gtscene gtsim goniotile_oiio.so demo report_pixels report_fresnel report_lobes; do
+for name in gtlut gtscene gtsim goniotile_oiio.so demo report_pixels report_fresnel report_lobes report_rates; do
     ln -s "$B/$name" "$work/b/$name"
 done
 R=$work/b/report
 report() {
-    B=$work/b QUICK=1 GONIOTILE_DATA=$work tests/report/report.sh 2 4 && node "$SVG" "$R/2_interpolation.svg" check &&
-        node "$SVG" "$R/2_extrapolation.svg" check && node "$SVG" "$R/4_lights.svg" check
+    B=$work/b QUICK=1 GONIOTILE_DATA=$work tests/report/report.sh 2 4 8 && node "$SVG" "$R/2_interpolation.svg" check &&
+        node "$SVG" "$R/2_extrapolation.svg" check && node "$SVG" "$R/4_lights.svg" check && node "$SVG" "$R/8_x86-64.svg" check
 }
 check "the chapters are written without the data folder, their plots are well-formed" report
 
@@ -38,5 +38,12 @@ white() { # lights,blinn_phong,ggx,measured,measured_ldr: of 14400 pixels
     awk -F, '$1 == 1 && $2 == 0 { one = 1 } $1 == 10 { ten = $2 > 1400 && $2 < 5000 && $3 == 0 && $4 == 0 } END { exit !(one && ten) }' "$R/4_lights.csv"
 }
 check "ten lights make a fifth of the picture white with Blinn-Phong's clamp, none of it with ACES" white
+
+ladder() { # each rate errs more than the one before; at 1x1 the larger table less than the smaller, and by fewer than half a dE
+    awk -F, '{ print } $2 ~ /half_vector/ { de[$2, $4] = $7; n++ }
+        END { k = split("1x1 2x1 2x2 4x2 4x4 flat", r, " "); bad = n != 12 || de["half_vector_64K", "1x1"] >= de["half_vector_1K", "1x1"] || de["half_vector_1K", "1x1"] > 0.5
+            for (i = 2; i <= k; i++) bad += de["half_vector_64K", r[i]] <= de["half_vector_64K", r[i - 1]]; exit bad }' "$R/8_budgets.csv"
+}
+check "coarser rates of shading err more, in their order, smaller tables at full rate, too" ladder
 
 echo "1..$n"

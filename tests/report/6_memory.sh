@@ -5,31 +5,11 @@ materials >"$work/all"
 [ -z "$QUICK" ] || { sed -n 1p "$work/all" >"$work/one"; mv "$work/one" "$work/all"; }
 
 one() { # name source
-    local size model tables=() dir=$work/$1
-    mkdir "$dir"
-    for size in 256K 64K 16K 4K 1K; do
-        [ -z "$QUICK" ] || [ $size = 1K ] || continue
-        table "$2" "$dir/half_vector_$size.ktx2" --size $size
-    done
     # As the instrument of the paper sees it: theta_in 0, 20, 40, 60, theta_out up to 75 degrees.
-    quietly "$B/gtlut" import "$2" --geometry minidiff -o "$dir/instrument.gtm"
-    for size in 361x181 181x91 91x46 46x23 23x12 12x6; do
-        [ -z "$QUICK" ] || [ $size = 12x6 ] || continue
-        quietly "$B/gtlut" build "$dir/instrument.gtm" -o "$dir/specular_frame_$size.ktx2" --kind specular_frame --size $size
-        case $size in 361x181 | 91x46 | 23x12) ;; *) continue ;; esac
-        quietly "$B/gtlut" build "$dir/instrument.gtm" -o "$dir/specular_frame_swap_$size.ktx2" --kind specular_frame --size $size --swap
-    done
-    tables=("$dir"/*.ktx2)
-    "$B/report_errors" "$2" "${tables[@]}" >"$dir/errors"
-    while read -r file _ mean _ p99 _ psnr; do
-        size=${file##*_} kind=${file%_*}
-        echo "$1,${kind##*/},${size%.ktx2},$("$B/gtlut" info "$file" | awk '$1 == "texels:" { print $2 * $4 * $6 * 4 }'),$mean,$p99,$psnr"
-    done <"$dir/errors" >"$dir.rows"
-    for model in lafortune_phong blinn_phong ggx; do
-        quietly "$B/gtlut" fit "$2" --model $model --geometry minidiff --json |
-            sed -E "s/.*\"mean_de\": ([^,]*),.*/$1,$model,fit,56,\1,,/" >>"$dir.rows" # a material of a scene blob has 56 bytes
-    done
-    rm -r "$dir"
+    quietly "$B/gtlut" import "$2" --geometry minidiff -o "$work/$1.gtm"
+    quietly "$B/report_memory" "$2" "$work/$1.gtm" ${QUICK:+quick} >"$work/$1.errors"
+    sed "s/^/$1,/" "$work/$1.errors" >"$work/$1.rows"
+    rm "$work/$1.gtm"
 }
 each one <"$work/all"
 csv=$OUT/6_memory.csv

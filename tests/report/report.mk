@@ -8,9 +8,11 @@ report: deps-report ## write build/report/REPORT.md: the literature's experiment
 # Beside goniotile_oiio.so.
 REPORT_PROGRAMS := $(patsubst tests/report/%.c,$(B)/report_%,$(wildcard tests/report/*.c))
 $(REPORT_PROGRAMS): $(B)/report_%: $(B)/host/tests/report/%.o $(B)/libreference.a $(LIBS)
-	$(CC) -o $@ $^ -lz -lm -ldl
+	$(CC) -o $@ $^ -lgsl -lgslcblas -lz -lm -ldl
 report-programs: all $(REPORT_PROGRAMS)
 check-built: $(REPORT_PROGRAMS)
-report-built: report-programs demo-data $(foreach t,cortex-m3 cortex-m7,$(B)/board/$(t)/firmware.elf) $(B)/board/make_image \
+report-built: report-programs demo-data budget-boards $(BUDGET_BOARDS:%=$(B)/board/%/firmware.elf) $(B)/board/make_image \
     $(B)/board/measured.img $(B)/board/lafortune_phong.img
 	@B=$(B) tests/report/report.sh
+# tests/bench/de03_rows.sh
+bench-built: $(B)/report_difference

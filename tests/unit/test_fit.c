@@ -124,6 +124,21 @@ static void parameters_stay_in_their_bounds(void **state)
     }
 }
 
+/* A mirror's peak beyond what a scene file allows: what can be fitted, the colour besides it, is not given up for it. */
+static void a_peak_out_of_reach_leaves_the_rest_as_it_is(void **state)
+{
+    static const double p[] = {0.2, 0.1, 0.05, 8, 8, 8, 60};
+    (void)state;
+    struct measurement_grid g;
+    struct fit fit;
+    measure(&g, FIT_BLINN_PHONG, p, 0, 1);
+    fit_make(&fit, FIT_BLINN_PHONG, &g, 1, "model");
+    for (int i = 0; i < 3; i++)
+        if (!(fabs(fit.parameter[i] - p[i]) < 0.35 * p[i]))
+            fail_msg("kd %d: %g, want %g", i, fit.parameter[i], p[i]);
+    measurement_grid_free(&g);
+}
+
 static void extrapolated_samples_do_not_count(void **state)
 {
     (void)state;
@@ -183,6 +198,7 @@ int main(void)
         cmocka_unit_test(known_parameters_are_found_under_noise_from_any_seed),
         cmocka_unit_test(the_same_seed_gives_the_same_fit),
         cmocka_unit_test(parameters_stay_in_their_bounds),
+        cmocka_unit_test(a_peak_out_of_reach_leaves_the_rest_as_it_is),
         cmocka_unit_test(extrapolated_samples_do_not_count),
         cmocka_unit_test(black_is_refused),
         cmocka_unit_test(fit_value_is_the_model),

@@ -10,8 +10,9 @@
 #define BUDGET_INPUT_TABLES 6u
 
 enum budget_input_mode {
-    BUDGET_INPUT_TILES,  /* frames at random budgets of every scene */
-    BUDGET_INPUT_PICTURE /* the only scene at parts of what its shading takes */
+    BUDGET_INPUT_TILES,   /* frames at random budgets of every scene */
+    BUDGET_INPUT_PICTURE, /* the only scene at parts of what its shading takes */
+    BUDGET_INPUT_RATES    /* the only scene at each rate */
 };
 
 struct budget_input_file {

@@ -5,8 +5,12 @@
  *   ratio p50 N p99 N most N                                    spent over predicted of a tile, thousandths
  *   used p50 N own N                                            of reduced frames: spent over budget; deciding over budget; thousandths, millionths
  * and of one scene alone, when still, at parts of what its shading takes at full quality besides all else:
- *   full fixed N shading N                                      ticks of a frame: all else, shading
- *   half|quarter|given budget N spent N shading N squares N     per tile; per frame: ticks, what of them is beyond `fixed`, squared errors summed
+ *   full fixed N shading N least N frame N                      ticks of a frame: all else, shading, and of one made without steps, culling and
+ *                                                               binning included; the least budget
+ *   half|quarter|given budget N spent N shading N frame N squares N   per tile; per frame: ticks, what of them is beyond `fixed`, those of a frame
+ *                                                               with culling and binning, squared errors summed; the picture is left behind the full one
+ * or of that scene with all surfaces at one rate, for each:
+ *   rate N shading N samples N lit N hash H                     ticks; surfaces and pixel-lights evaluated; of the picture
  */
 #include "board.h"
 #include "budget.h"
@@ -75,12 +79,15 @@ static uint32_t quantile(const struct histogram *h, uint32_t hundredths)
 /* Squared errors of a tile against the picture at board_picture. */
 static uint32_t tile_squares(const struct raster_rect *rect)
 {
+    uint8_t *kept = board_picture + 3 * WIDTH * HEIGHT;
     uint32_t sum = 0;
     for (uint32_t y = 0; y < rect->height; y++) {
         const uint8_t *full = board_picture + ((rect->y + y) * (uint32_t)WIDTH + rect->x) * 3,
                       *p = raster_tile_pixels(&work) + y * rect->width * 3u;
-        for (uint32_t i = 0; i < rect->width * 3u; i++)
+        for (uint32_t i = 0; i < rect->width * 3u; i++) {
             sum += (uint32_t)((p[i] - full[i]) * (p[i] - full[i]));
+            kept[full - board_picture + i] = p[i];
+        }
     }
     return sum;
 }
@@ -209,63 +216,103 @@ static void walk(void)
     report_text("\n");
 }
 
-/* A frame at full quality, step by step, into board_picture. Returns its ticks but for shading. */
-static uint32_t render_full(uint32_t *shading)
+struct steps {
+    uint32_t rest, shade, finish, samples, lit; /* ticks; counts */
+};
+
+/* A frame with all surfaces at a rate, step by step, into board_picture. */
+static struct steps render_steps(enum raster_rate rate)
 {
-    static const struct raster_quality full = {.lights = RASTER_ALL_LIGHTS};
+    struct raster_quality q = {.lights = RASTER_ALL_LIGHTS};
+    struct steps s = {0};
     const uint32_t start = board_clock();
-    uint32_t shade = 0;
+    for (uint32_t i = 0; i < RASTER_CLASSES; i++)
+        q.rate[i] = (uint8_t)rate;
     for (uint32_t t = 0; t < TILES; t++) {
         struct raster_rect rect;
         struct raster_stats stats;
         raster_tile_begin(&raster, t, &work, &rect, &stats);
         for (bool more = true; more;) {
             more = raster_tile_draw(&raster, &work, UINT32_MAX, &stats) == RASTER_NO_SLOT;
-            const struct raster_survey *s = raster_tile_survey(&raster, &work, &rect);
+            const struct raster_survey *survey = raster_tile_survey(&raster, &work, &rect);
             const uint32_t surveyed = board_clock();
-            for (uint32_t region = 0; region < s->regions; region++)
-                raster_tile_shade(&raster, &work, &rect, region, &full, &stats);
-            shade += board_clock() - surveyed;
+            for (uint32_t region = 0; region < survey->regions; region++)
+                raster_tile_shade(&raster, &work, &rect, region, &q, &stats);
+            s.shade += board_clock() - surveyed;
             if (more)
                 raster_tile_free_slots(&raster, &work, &rect, &stats);
         }
+        const uint32_t shaded = board_clock();
         raster_tile_finish(&raster, &work, &rect, &stats);
+        s.finish += board_clock() - shaded;
+        s.samples += stats.samples;
+        s.lit += stats.shaded;
         report_tile(rect.x, rect.y, rect.width, rect.height, raster_tile_pixels(&work), WIDTH, 3);
     }
-    *shading = shade;
-    return board_clock() - start - shade;
+    s.rest = board_clock() - start - s.shade - s.finish;
+    return s;
+}
+
+/* What is shaded in rows is shaded when a tile is finished; at rate flat nothing is. */
+static void rates(void)
+{
+    open_scene(0);
+    checked(begin(0) == RASTER_OK, "no frame");
+    const uint32_t packing = render_steps(RASTER_RATE_FLAT).finish;
+    for (uint32_t rate = 0; rate < RASTER_RATE_COUNT; rate++) {
+        const struct steps s = render_steps((enum raster_rate)rate);
+        report_text("rate");
+        report_number("", rate);
+        report_number("shading", s.shade + s.finish - packing);
+        report_number("samples", s.samples);
+        report_number("lit", s.lit);
+        report_hex("hash", report_hash(REPORT_HASH_START, board_picture, 3 * WIDTH * HEIGHT));
+        report_text("\n");
+    }
+}
+
+/* Of a frame with culling and binning. */
+static uint32_t frame_ticks(uint32_t mean)
+{
+    const uint32_t start = board_clock();
+    render(mean, false);
+    return board_clock() - start;
 }
 
 static void report_part(const char *name, uint32_t mean, uint32_t fixed)
 {
-    struct frame f = {0};
-    for (uint32_t i = 0; i < LEARN; i++)
-        f = render(mean, i == LEARN - 1);
+    for (uint32_t i = 0; i < LEARN - 2; i++)
+        render(mean, false);
+    const uint32_t ticks = frame_ticks(mean);
+    const struct frame f = render(mean, true);
     report_text(name);
     report_number("budget", mean);
     report_number("spent", (uint32_t)f.spent);
     report_number("shading", f.spent > fixed ? (uint32_t)f.spent - fixed : 0);
+    report_number("frame", ticks);
     report_number("squares", (uint32_t)f.squares);
     report_text("\n");
 }
 
 static void picture(void)
 {
-    uint32_t shading;
     open_scene(0);
+    const uint32_t ticks = frame_ticks(0);
     checked(begin(0) == RASTER_OK, "no frame");
-    const uint32_t fixed = render_full(&shading), given = input()->frames;
+    const struct steps s = render_steps(RASTER_RATE_1X1);
+    const uint32_t fixed = s.rest + s.finish, given = input()->frames;
     report_text("full");
     report_number("fixed", fixed);
-    report_number("shading", shading);
+    report_number("shading", s.shade);
     report_number("least", raster.budget_needed);
+    report_number("frame", ticks);
     report_text("\n");
     if (given) {
         report_part("given", given, fixed);
         return;
     }
-    report_part("half", (fixed + shading / 2) / TILES, fixed);
-    report_part("quarter", (fixed + shading / 4) / TILES, fixed);
+    report_part("half", (fixed + s.shade / 2) / TILES, fixed);
+    report_part("quarter", (fixed + s.shade / 4) / TILES, fixed);
 }
 
 static void open_tables(void)
@@ -284,7 +331,9 @@ _Noreturn void board_main(void)
     open_tables();
     if (input()->mode == BUDGET_INPUT_TILES)
         walk();
-    else
+    else if (input()->mode == BUDGET_INPUT_PICTURE)
         picture();
+    else
+        rates();
     board_exit(BOARD_EXIT_OK);
 }

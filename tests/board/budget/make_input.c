@@ -3,6 +3,7 @@
  *
  *   make_input TARGET OUT tiles KIND SEED SCENES FRAMES TABLE.ktx2...    scenes of tests/budget/scenes.h, from SEED on
  *   make_input TARGET OUT picture BUDGET SCENE.blob TABLE.ktx2...        that one scene; BUDGET: 0, see input.h
+ *   make_input TARGET OUT rates 0 SCENE.blob TABLE.ktx2...               likewise
  *
  * KIND: a name as scenes_name gives it.
  */
@@ -63,16 +64,17 @@ static enum scenes_kind kind_of(const char *name)
 int main(int argc, char **argv)
 {
     common_set_name("make_input", NULL);
-    const bool tiles = argc > 7 && !strcmp(argv[3], "tiles"), picture = argc > 5 && !strcmp(argv[3], "picture");
+    const bool tiles = argc > 7 && !strcmp(argv[3], "tiles"), picture = argc > 5 && !strcmp(argv[3], "picture"),
+               rates = argc > 5 && !strcmp(argv[3], "rates");
     const int first_table = tiles ? 8 : 6;
-    if ((!tiles && !picture) || argc - first_table > (int)BUDGET_INPUT_TABLES)
-        die(EXIT_USAGE,
-            "usage: make_input TARGET OUT tiles KIND SEED SCENES FRAMES TABLE... | picture BUDGET SCENE TABLE...");
+    if ((!tiles && !picture && !rates) || argc - first_table > (int)BUDGET_INPUT_TABLES)
+        die(EXIT_USAGE, "usage: make_input TARGET OUT tiles KIND SEED SCENES FRAMES TABLE... | picture|rates BUDGET "
+                        "SCENE TABLE...");
     FILE *f = fopen(argv[2], "wb");
     if (!f)
         die(EXIT_FILE, "%s: cannot be written", argv[2]);
     fwrite(&input, sizeof input, 1, f);
-    input.mode = tiles ? BUDGET_INPUT_TILES : BUDGET_INPUT_PICTURE;
+    input.mode = tiles ? BUDGET_INPUT_TILES : picture ? BUDGET_INPUT_PICTURE : BUDGET_INPUT_RATES;
     input.costs = *costs_of(argv[1]);
     if (tiles) {
         const enum scenes_kind kind = kind_of(argv[4]);
