@@ -56,7 +56,7 @@ help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' Makefile tests/fuzz/fuzz.mk tests/prove/prove.mk tests/board/board.mk tests/guest/guest.mk tests/report/report.mk | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 # --- packages: each target installs what it needs itself ---
-DEPS_DEMO  := gcc g++ pkg-config libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
+DEPS_DEMO  := gcc g++ pkg-config gnuplot-nox libopenimageio-dev libusb-1.0-0-dev libassimp-dev libmeshoptimizer-dev libcjson-dev \
               zlib1g-dev libgsl-dev libumockdev-dev umockdev libglib2.0-dev libsdl2-dev
 CROSS      := gcc-arm-none-eabi gcc-riscv64-unknown-elf clang-14
 DEPS_FUZZ  := $(DEPS_DEMO) clang-14 libclang-rt-14-dev llvm-14

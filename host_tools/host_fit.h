@@ -20,7 +20,8 @@ struct fit {
     enum fit_model model;
     int count; /* parameters in use */
     double parameter[FIT_PARAMETERS];
-    double error;   /* sqrt(sum w |f - g|^2 / sum w |g|^2) over all measured samples, f and g these roots, g the measurement's */
+    double
+        error; /* sqrt(sum w |f - g|^2 / sum w |g|^2) over all measured samples, f and g these roots, g the measurement's */
     int agreed;     /* starts, the best included, that ended within 1 % of the best error */
     size_t samples; /* measured ones; extrapolated ones do not count */
 };

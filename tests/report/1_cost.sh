@@ -16,7 +16,7 @@ done
 milliseconds() { # size threads option...: of one frame
     local size=$1 threads=$2
     shift 2
-    "$B/gtsim" render "$B/demo/six_models.blob" "$@" --size "$size" --threads "$threads" --stats -o "$work/frame.png" | awk '/^frame hash/ { print $(NF - 1) }'
+    "$B/gtsim" render "$B/demo/six_models.blob" "$@" --size "$size" --threads "$threads" --stats -o "$work/frame.ppm" | awk '/^frame hash/ { print $(NF - 1) }'
 }
 csv=$OUT/1_cost.csv
 echo 'target,size,unit,lafortune_phong,half_vector,specular_frame' >"$csv"
@@ -46,7 +46,7 @@ awk -F, -v OFS=, 'NR > 1 { print $1 ", " $2, $5 / $4, $6 / $4 }' "$csv" | sed 's
 plot 1_cost 720x420 <<GNUPLOT
 set style data histograms; set style histogram clustered gap 1; set style fill solid 0.8 noborder
 set xtics rotate by -25 font ',11'; set rmargin 10; set key top left horizontal
-set ylabel 'cost over that of Lafortune-Phong'
+set ylabel 'cost over that of Lafortune-Phong'; set xlabel 'target, picture' offset 0,-1
 set yrange [0:3.6]
 set arrow from graph 0, first 1.0283 to graph 1, first 1.0283 nohead dt 2 lc rgb '#444444'
 plot '$work/ratios' using 2:xtic(1) lc rgb '#2471a3' title 'half-vector, 64 KB', '' using 3 lc rgb '#d68910' title 'specular frame, 1 MB', \

@@ -30,11 +30,14 @@ set logscale xy; set xrange [32:2e6]; set xlabel 'bytes per material'; set ylabe
 set xtics ('32' 32, '256' 256, '1 K' 1024, '4 K' 4096, '16 K' 16384, '64 K' 65536, '256 K' 262144, '1 M' 1048576)
 set format y '%g'; set yrange [0.003:100]; set key top right noreverse Right font ',11'
 csv = '$OUT/6_summary.csv'
+name(r) = system("sed 's/^half_vector/half-vector/; s/_/ /g; s/^lafortune phong/Lafortune-Phong/; s/^blinn phong/Blinn-Phong/; s/^ggx/GGX/' <<<'".r."'")
+array style[6] = [7, 5, 4, 8, 10, 6]
+array colour[6] = [0x08306b, 0xd68910, 0x8a5a00, 0x1e8449, 0xc0392b, 0x7d3c98]
+kinds = 'half_vector specular_frame specular_frame_swap lafortune_phong blinn_phong ggx'
 do for [k = 0:1] {
     set title (k ? '90th percentile of the materials' : 'median of the materials')
     c = 5 + k
-    plot for [r in 'half_vector specular_frame specular_frame_swap lafortune_phong blinn_phong ggx'] \
-        csv skip 1 using (strcol(1) eq r ? \$3 : NaN):c with linespoints lw 2 pt 7 ps 0.7 title system("echo ".r." | tr _ ' '")
+    plot for [i = 1:6] csv skip 1 using (strcol(1) eq word(kinds, i) ? \$3 : NaN):c with linespoints lw 2 pt style[i] ps 0.9 lc rgb colour[i] title name(word(kinds, i))
 }
 GNUPLOT
 count=$(wc -l <"$work/all")
@@ -47,7 +50,12 @@ difference (CIE 1976) on three pictures of a sphere under one light each, in dou
 source itself; specular frames and models see what the paper's instrument does, θ_in 0, 20, 40 and 60 degrees and θ_out up to 75, and extrapolate the rest;
 "swap" exchanges light and viewer where that is nearer to what was measured.
 
-$(awk -F, -v OFS=, 'NR == 1 { print "representation,size,bytes,mean of the materials,median,90th percentile,worst"; next } { gsub("_", " ", $1); print }' "$OUT/6_summary.csv" | markdown_table)
+$(awk -F, -v OFS=, 'BEGIN { name["half_vector"] = "half-vector"; name["specular_frame"] = "specular frame"; name["specular_frame_swap"] = "specular frame, swap"
+        name["lafortune_phong"] = "Lafortune-Phong"; name["blinn_phong"] = "Blinn-Phong"; name["ggx"] = "GGX" }
+    NR == 1 { print "representation,size,bytes,mean of the materials,median,90th percentile,worst"; next } { $1 = name[$1]; gsub(", ", " with ", $1); print }' "$OUT/6_summary.csv" | markdown_table)
+
+$(awk -F, '$2 == "1K" { small = $4 } $2 == "361x181" { frame = $4 < frame || !frame ? $4 : frame } $2 == "fit" { fit = $4 < fit || !fit ? $4 : fit }
+    END { printf "On average a half-vector table of 1 KB errs %.2f", small; if (frame) printf ", the better of the specular frames of 1 MB %.2f", frame; printf ", the best of the models %.2f.", fit }' "$OUT/6_summary.csv")
 
 ![memory against error](6_memory.svg)
 

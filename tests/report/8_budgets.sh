@@ -142,7 +142,7 @@ $(for kind in "${kinds[@]}"; do
     echo "- *$(label $kind)* takes $(ratio "$(value "$main" $kind 1x1 5)" "$full") of it and errs $(value "$main" $kind 1x1 7). The ladder's $(instead "$main" $kind). Another model instead of the table would also change the material's colour from tile to tile."
 done)
 - *Fewer taps* (4 or 1 instead of 8 texels a look-up) are a study of which no program is left: DESIGN.md, "Rungs of shading", has its figures.
-$([ -n "$QUICK" ] || tests/bench/de03_rows.sh "${targets[@]}" 2>"$work/de03.log" >"$work/de03" || cat "$work/de03.log" >&2
+$([ -n "$QUICK" ] || printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -n 1 tests/bench/de03_rows.sh 2>"$work/de03.log" >"$work/de03" || cat "$work/de03.log" >&2
 [ ! -s "$work/de03" ] || { cat <<'TEXT'
 
 **Measured within a mean dE of 0.3, over Lafortune-Phong.** What a frame of the six models costs, culling to packing, when the scheduler may lose that much against the frame's own full quality, over

@@ -44,7 +44,8 @@ static void scene_read(struct picture_scene *s, const char *path)
 
 static struct raster_frame frame_of(const struct picture_scene *s)
 {
-    return (struct raster_frame){.scene = &s->scene,
+    return (struct raster_frame){.parts = &raster_all_parts,
+                                 .scene = &s->scene,
                                  .camera = &s->scene.header->camera,
                                  .output = &s->scene.header->output,
                                  .lights = s->scene.lights,

@@ -12,13 +12,15 @@ for chapter in tests/report/[0-9]*.sh; do
     name=$(basename "${chapter%.sh}")
     number=${name%%_*}
     [ $# = 0 ] || [[ " $* " == *" $number "* ]] || continue
-    start=$(date +%s%N)
     rm -f "$out/$number"_* "$out/$number.md"
-    "$chapter" >"$out/$number.new" || { echo "report: $chapter failed" >&2; exit 1; }
-    seconds=$(awk -v ns=$(($(date +%s%N) - start)) 'BEGIN { printf "%.1f", ns / 1e9 }')
-    printf '\n*This chapter: `tests/report/report.sh %s`, %s s.*\n' "$number" "$seconds" >>"$out/$number.new"
+    TIMEFORMAT='%R %U %S'
+    { time "$chapter" >"$out/$number.new"; } 2>"$out/$number.log" || { cat "$out/$number.log" >&2; echo "report: $chapter failed" >&2; exit 1; }
+    took=$(tail -1 "$out/$number.log" | awk '{ printf "%.0f s (%.0f s of processors)", $1, $2 + $3 }')
+    head -n -1 "$out/$number.log" >&2
+    rm "$out/$number.log"
+    printf '\n*This chapter: `tests/report/report.sh %s`, %s.*\n' "$number" "$took" >>"$out/$number.new"
     mv "$out/$number.new" "$out/$number.md"
-    echo "report: chapter $name: $seconds s"
+    echo "report: chapter $name: $took"
 done
 {
     echo '# Experiments'
