@@ -84,13 +84,12 @@ static uint32_t count_bits(uint64_t x)
 static uint32_t pass_cost(const struct budget_plan *p, unsigned rate, bool regular)
 {
     static const uint16_t blocks[RASTER_RATE_COUNT] = {256, 64, 64, 16, 16, 1}; /* where planes do not hold: cells */
-    static const uint8_t cells[RASTER_RATE_COUNT] = {0, 128, 64, 32, 16, 0};
     const struct raster_costs *c = p->r->frame.costs;
     if (rate == RASTER_RATE_FLAT)
         return c->flat;
     if (regular)
-        return c->region + p->planes + BLOCK_COST + cells[rate] * c->cell;
-    return c->region + blocks[rate] * fx_min_u(p->planes + BLOCK_COST + c->cell, 1u << 22);
+        return c->region + p->planes + BLOCK_COST;
+    return c->region + blocks[rate] * fx_min_u(p->planes + BLOCK_COST, 1u << 22);
 }
 
 /* Of a class in a region, at most, with passes of its own. */

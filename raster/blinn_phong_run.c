@@ -34,8 +34,7 @@ struct run_light {
 };
 
 struct run {
-    int32_t frame[9]; /* the meshlet's axes in eye space, Q19 */
-    uint32_t normal_shift;
+    const struct raster_slot *slot;
     const struct raster_surface *s, *end;
     int32_t fine_x; /* r's x component at the first pixel, negated, with VIEW_STEP_BITS fraction bits */
     int32_t step;
@@ -103,7 +102,7 @@ __attribute__((always_inline)) static inline void run_shade(uq12_20_t *out, cons
     const uint32_t negligible = (run->squarings < MAX_SQUARINGS ? 16u >> run->squarings : 1) + 4;
     int32_t fine_x = run->fine_x;
     for (const struct raster_surface *s = run->s; s != run->end; s++, out += 3, fine_x += run->step) {
-        struct vec3 n = raster_eye_normal(run->frame, run->normal_shift, s);
+        struct vec3 n = raster_eye_normal(run->slot, s);
         int32_t rx = fine_x >> VIEW_STEP_BITS;
         int32_t p = (int32_t)ray_length((uint32_t)(rx * rx) + yz, start, slope);
         uint32_t p2 = ((uint32_t)p << 1) + ((uint32_t)p >> (SHRINK_BITS - 1)); /* 2 p / SHRINK */
@@ -155,8 +154,7 @@ static void shade_blinn_phong_row(struct raster_batch *b, const struct raster *r
     struct run run;
     if (b->diffuse_material != slot->material + 1u)
         run_colour_setup(b, r, slot->material);
-    raster_slot_frame(run.frame, slot);
-    run.normal_shift = slot->normal_shift;
+    run.slot = slot;
     run.s = s;
     run.end = s + count;
     run.fine_x = (2 * (int32_t)x + 1 - r->frame.width) * v->step;

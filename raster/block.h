@@ -33,12 +33,18 @@ struct raster_plane {
 
 enum { PLANE_A_XY, PLANE_B_XY, PLANE_AB_Z, PLANE_TERM, PLANE_COUNT };
 
+/* Between l, v and the direction amid them: of theta_d, 1.0 = 2^27. */
+struct raster_angle {
+    uint32_t sine, cosine;
+};
+
 struct raster_block_light {
     struct raster_plane
         plane[PLANE_COUNT]; /* a and b: Q15, x and a.z in the low halves; the term: see term_find, light.c */
     uint32_t l_xy;          /* Q15 */
     int32_t l_z;
-    uq16_16_t colour[3]; /* irradiance at the pixels; attenuated for point lights */
+    uq16_16_t colour[3];          /* irradiance at the pixels; attenuated for point lights */
+    struct raster_angle angle[4]; /* at the block's corners, of planes that are kept */
 };
 
 /* What models are evaluated from; see above. */
@@ -157,26 +163,29 @@ const struct raster_model *raster_model_of(const struct raster_frame *f, const s
 /* Adds kd/pi times an irradiance to what is in the batch, up to `most`. */
 void raster_add_ambient(struct raster_batch *b, const struct scene_material *m, uq16_16_t irradiance, uint32_t most);
 
-/* A block being shaded. */
+/* A block being shaded; first, all but `material` are of no block. */
 struct raster_block {
-    uint32_t x, y;                /* its first pixel in the tile */
-    unsigned shift;               /* its edge is 2^shift pixels */
-    bool exact;                   /* planes do not hold: what they stand for is found at every pixel */
-    struct vec3 view[4];          /* towards the eye at its corners (0,0), (e,0), (0,e), (e,e) */
+    uint32_t x, y;       /* its first pixel in the tile */
+    unsigned shift;      /* its edge is 2^shift pixels; 0: planes have no slopes, and are those of a region's middle */
+    bool exact;          /* planes do not hold: what they stand for is found at every pixel */
+    bool scaled;         /* planes of b are multiplied by cos(theta_d) */
+    struct vec3 view[4]; /* towards the eye at its corners (0,0), (e,0), (0,e), (e,e) */
     struct raster_plane plane[3]; /* of their components, Q15 with VIEW_PLANE_BITS more */
     struct raster_block_light light[RASTER_BLOCK_LIGHTS];
-    uint32_t ready; /* bit i: light[i] holds frame light i's planes for the batch's material */
+    uint32_t ready;    /* bit i: light[i] holds frame light i's planes of a and b */
+    uint32_t terms;    /* ... and that of its term for the material, of those that are ready */
+    uint32_t material; /* of the last batch */
 };
 
-/* gather_wide.c, where RASTER_WIDE: eight pixels of a batch from surfaces of one slot side by side, whose first is at `at`; `frame` and
- * `shift` as raster_eye_normal takes them, view as wide as its planes are, at the first pixel. Returns four bits for each
- * pixel whose n.v is below 2^-7. */
-uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raster_surface s[8], const int32_t frame[9],
-                            unsigned shift, const int32_t view[3], const struct raster_plane plane[3], uint32_t at);
+/* gather_wide.c, where RASTER_WIDE: eight pixels of a batch from surfaces of one slot side by side, whose first is at `at`;
+ * view as wide as its planes are, at the first pixel. Returns four bits for each pixel whose n.v is below 2^-7. */
+uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raster_surface s[8],
+                            const struct raster_slot *slot, const int32_t view[3], const struct raster_plane plane[3],
+                            uint32_t at);
 
 /* light.c: whether planes hold over the block of 2^shift pixels at (x, y) on the screen under every directional light. */
 bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift);
-/* In: (x, y) in the tile whose first pixel on the screen is (x0, y0); exact where shift is 0. */
+/* Sets up another block, or leaves it as it is. In: (x, y) in the tile whose first pixel on the screen is (x0, y0). */
 void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,
                         uint32_t y, unsigned shift, bool exact);
 /* Lights the tile's batch, all of the block's, by light `index`. Returns pixels lit. */

@@ -16,12 +16,12 @@ static inline wide ratio_of(wide d, wide den)
     return q + wide_below(rest, wide_all(0)) + wide_below(rest, den) + 1;
 }
 
-/* High words of f[0] x + f[1] y + f[2] z. */
-static inline wide row_high(const int32_t f[3], const wide c[3])
+/* High words of 32 (f[0] x + f[1] y + f[2] z). */
+static inline wide row_high(const int16_t f[3], const wide c[3])
 {
     wide_long even = {0, 0, 0, 0}, odd = even;
     for (int i = 0; i < 3; i++) {
-        const wide_int k = (wide_int)wide_all((uint32_t)f[i]);
+        const wide_int k = (wide_int)wide_all((uint32_t)(f[i] * 32));
         even += (wide_long)__builtin_ia32_pmuldq256((wide_int)c[i], k);
         odd += (wide_long)__builtin_ia32_pmuldq256((wide_int)((wide_long)c[i] >> 32), k);
     }
@@ -33,9 +33,11 @@ static inline wide clamp16(wide x)
     return wide_min(wide_max(x, wide_all((uint32_t)-32768)), wide_all(32767));
 }
 
-uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raster_surface s[8], const int32_t frame[9],
-                            unsigned shift, const int32_t view[3], const struct raster_plane plane[3], uint32_t at)
+uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raster_surface s[8],
+                            const struct raster_slot *slot, const int32_t view[3], const struct raster_plane plane[3],
+                            uint32_t at)
 {
+    const unsigned shift = slot->normal_shift;
     const wide iota = {0, 1, 2, 3, 4, 5, 6, 7};
     const wide s0 = wide_load(&s[0].depth_slot), s1 = wide_load(&s[4].depth_slot);
     const wide depth = __builtin_shufflevector(s0, s1, 0, 2, 4, 6, 8, 10, 12, 14),
@@ -54,7 +56,7 @@ uint32_t raster_gather_wide(struct raster_batch_pixel out[8], const struct raste
                            d * m - (1u << 28)};
     wide n[3], nv = wide_all(0);
     for (int i = 0; i < 3; i++) {
-        n[i] = row_high(frame + 3 * i, local);
+        n[i] = row_high(slot->frame + 3 * i, local);
         nv += n[i] * wide_shift_signed((uint32_t)view[i] + iota * plane[i].dx, VIEW_PLANE_BITS);
         n[i] = clamp16(n[i]);
     }

@@ -106,22 +106,16 @@ static inline struct raster_normal raster_decode_normal(const struct raster_surf
     return n;
 }
 
-/* A meshlet's axes in eye space, Q19. */
-static inline void raster_slot_frame(int32_t frame[9], const struct raster_slot *slot)
-{
-    for (int i = 0; i < 9; i++)
-        frame[i] = slot->frame[i] * 32;
-}
-
 /* A surface's normal in eye space, Q15, rounded down: of unit length by construction, whatever its coordinates were interpolated
- * to. In: its meshlet's axes, and normal_shift. */
-static inline struct vec3 raster_eye_normal(const int32_t f[9], unsigned shift, const struct raster_surface *s)
+ * to. */
+static inline struct vec3 raster_eye_normal(const struct raster_slot *slot, const struct raster_surface *s)
 {
-    struct raster_normal n = raster_decode_normal(s, shift);
+    const int16_t *f = slot->frame;
+    struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
     int32_t x = n.u * n.m, y = n.v * n.m, z = n.d * n.m - (1 << 28); /* Q28: <= 2^28.1 */
-    return (struct vec3){(int32_t)(((int64_t)f[0] * x + (int64_t)f[1] * y + (int64_t)f[2] * z) >> 32),
-                         (int32_t)(((int64_t)f[3] * x + (int64_t)f[4] * y + (int64_t)f[5] * z) >> 32),
-                         (int32_t)(((int64_t)f[6] * x + (int64_t)f[7] * y + (int64_t)f[8] * z) >> 32)};
+    return (struct vec3){(int32_t)(((int64_t)f[0] * x + (int64_t)f[1] * y + (int64_t)f[2] * z) >> 27),
+                         (int32_t)(((int64_t)f[3] * x + (int64_t)f[4] * y + (int64_t)f[5] * z) >> 27),
+                         (int32_t)(((int64_t)f[6] * x + (int64_t)f[7] * y + (int64_t)f[8] * z) >> 27)};
 }
 
 /* transform.c */
@@ -191,11 +185,30 @@ static inline uint32_t raster_slot_of(const struct raster_surface *s)
     return s->depth_slot & 255;
 }
 
+/* Those of four surfaces side by side in a word, the first highest; 128 in each byte that is not `slot`. */
+#define EACH_SLOT 0x01010101u
+_Static_assert(RASTER_SLOTS <= 128, "slots are told apart by sums of seven bits");
+static inline uint32_t raster_four_slots(const struct raster_surface *s)
+{
+    uint32_t w = s[0].depth_slot; /* what is above its slot is shifted out */
+    w = w << 8 | raster_slot_of(&s[1]);
+    w = w << 8 | raster_slot_of(&s[2]);
+    return w << 8 | raster_slot_of(&s[3]);
+}
+static inline uint32_t raster_slots_differ(uint32_t four, uint32_t slot)
+{
+    return ((four ^ slot * EACH_SLOT) + 127 * EACH_SLOT) & 128 * EACH_SLOT;
+}
+
 /* A finished pixel or sample in its surface's place. */
 static inline void raster_put_colour(struct raster_surface *s, uint32_t value)
 {
     s->normal = value;
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    *(uint8_t *)&s->depth_slot = 0;
+#else
     s->depth_slot &= ~(uint32_t)255;
+#endif
 }
 
 /* The format in which it is put there: the frame's, but RGB888 where samples will be averaged. */
@@ -214,8 +227,8 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
 /* survey.c: puts what the tile's shading showed into its memory, if there is one, and forgets the latter. */
 void raster_remember(struct raster_tile *t);
 
-/* quality.c: log2 of the edges of a rate's cells, pixels. */
-extern const uint8_t raster_cell_shift[5][2];
+/* quality.c: log2 of the edge of a rate's cells along an axis, samples. Rates but flat. */
+uint8_t raster_cell_shift(const struct raster *r, unsigned rate, unsigned axis);
 
 /* light.c: bytes of arena for lights and lobes, and filling them; the largest shading block's edge is 2^shift pixels. */
 size_t raster_light_bytes(const struct raster_frame *f);

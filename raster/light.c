@@ -170,8 +170,7 @@ uint8_t raster_block_shift(const struct raster_view *v)
 
 /* What depends on l and v. */
 struct corner {
-    int32_t unit[6];       /* a and b, Q15, at most 2^15 + 1 */
-    uint32_t sine, cosine; /* of theta_d, 1.0 = 2^27 */
+    int32_t unit[6]; /* a and b, Q15, at most 2^15 + 1 */
 };
 enum { A_X, A_Y, A_Z, B_X, B_Y, B_Z };
 
@@ -201,14 +200,14 @@ static inline int32_t cross_unit(int32_t x, int32_t y, int32_t z, int32_t w, int
     return (fx_mulhi((x * y - z * w) * up, k) + 512) >> 10;
 }
 
-static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
+static void corner_find(struct corner *out, struct raster_angle *angle, struct vec3 l, struct vec3 v)
 {
     uint32_t c2, s2;
     unsigned cs, ss; /* 1/cos = mc 2^-(14+cs), 2^15 cos in 2^(cs-1) .. 2^cs; likewise the sine; cs + ss <= 30 */
     squares_find(&c2, &s2, l, v);
     const int32_t mc = (int32_t)(lut_rsqrt(c2, &cs) >> 1), ms = (int32_t)(lut_rsqrt(s2, &ss) >> 1); /* 2^29 .. 2^30 */
-    out->cosine = fx_mulhi_u(c2 << (32 - 2 * cs), (uint32_t)mc) >> (17 - cs);
-    out->sine = fx_mulhi_u(s2 << (32 - 2 * ss), (uint32_t)ms) >> (17 - ss);
+    angle->cosine = fx_mulhi_u(c2 << (32 - 2 * cs), (uint32_t)mc) >> (17 - cs);
+    angle->sine = fx_mulhi_u(s2 << (32 - 2 * ss), (uint32_t)ms) >> (17 - ss);
     /* b = l x v / (2 sin cos); |l x v|, Q30, is below 2^(cs+ss+1) */
     const int32_t up = 1 << (30 - cs - ss), k = fx_mulhi(mc, ms), up_c = 1 << (16 - cs);
     const struct vec3 b = {cross_unit(l.y, v.z, l.z, v.y, up, k), cross_unit(l.z, v.x, l.x, v.z, up, k),
@@ -223,9 +222,9 @@ static void corner_find(struct corner *out, struct vec3 l, struct vec3 v)
     out->unit[B_Z] = b.z;
 }
 
-static uint32_t term_find(const struct raster_model *model, const struct lut_table *t, const struct corner *c)
+static uint32_t term_find(const struct raster_model *model, const struct lut_table *t, struct raster_angle a)
 {
-    return model->term ? model->term(t, c->sine, c->cosine) : 0;
+    return model->term ? model->term(t, a.sine, a.cosine) : 0;
 }
 
 /* The largest it may be anywhere in a block. */
@@ -234,9 +233,9 @@ static int32_t term_limit(const struct raster_model *model, const struct lut_tab
     return model->shading == RASTER_SHADE_HALF_VECTOR ? (int32_t)((t->depth - 1) << TERM_D_BITS) - 1 : 1 << 27;
 }
 
-static void scale_b(struct corner *c)
+static void scale_b(struct corner *c, struct raster_angle angle)
 {
-    int32_t k = (int32_t)(c->cosine >> 12); /* Q15 */
+    const int32_t k = (int32_t)(angle.cosine >> 12); /* Q15 */
     for (int i = B_X; i <= B_Z; i++)
         c->unit[i] = c->unit[i] * k >> 15;
 }
@@ -297,13 +296,19 @@ static uint32_t unit_lanes(int32_t low, int32_t high)
     return lanes(fx_clamp(low, -32767, 32767), fx_clamp(high, -32767, 32767));
 }
 
-/* One pixel's block: no slopes. */
-static void planes_constant(struct raster_block_light *out, const struct corner *c, uint32_t term)
+/* One corner's: no slopes. */
+static void planes_constant(struct raster_block_light *out, const struct corner *c)
 {
-    const uint32_t value[PLANE_COUNT] = {unit_lanes(c->unit[A_X], c->unit[A_Y]), unit_lanes(c->unit[B_X], c->unit[B_Y]),
-                                         unit_lanes(c->unit[A_Z], c->unit[B_Z]), term};
-    for (int k = 0; k < PLANE_COUNT; k++)
-        out->plane[k] = (struct raster_plane){value[k], 0, 0};
+    out->plane[PLANE_A_XY] = (struct raster_plane){unit_lanes(c->unit[A_X], c->unit[A_Y]), 0, 0};
+    out->plane[PLANE_B_XY] = (struct raster_plane){unit_lanes(c->unit[B_X], c->unit[B_Y]), 0, 0};
+    out->plane[PLANE_AB_Z] = (struct raster_plane){unit_lanes(c->unit[A_Z], c->unit[B_Z]), 0, 0};
+}
+
+static void term_constant(struct raster_block_light *out, const struct raster_model *model, const struct lut_table *t,
+                          struct raster_angle a)
+{
+    const uint32_t term = fx_min_u(term_find(model, t, a), (uint32_t)term_limit(model, t));
+    out->plane[PLANE_TERM] = (struct raster_plane){term, 0, 0};
 }
 
 static void set_direction(struct raster_block_light *out, struct vec3 l)
@@ -312,27 +317,43 @@ static void set_direction(struct raster_block_light *out, struct vec3 l)
     out->l_z = fx_clamp(l.z, -32767, 32767);
 }
 
-static void light_planes(struct raster_block_light *out, const struct raster_model *model, const struct lut_table *t,
-                         const struct raster_light *light, const struct raster_block *block)
+/* All but the term's plane. */
+static void light_planes(struct raster_block_light *out, const struct raster_light *light,
+                         const struct raster_block *block)
 {
     const unsigned shift = block->shift;
     struct corner c[4];
-    int32_t term[4];
-    for (int i = 0; i < 4; i++) {
-        corner_find(&c[i], light->v, block->view[i]);
-        term[i] = (int32_t)term_find(model, t, &c[i]);
-    }
-    const int32_t a = shortfall(c, A_X), b = shortfall(c, B_X);
-    for (int i = 0; i < 4 && model->scales_b; i++)
-        scale_b(&c[i]);
-    plane_lanes(&out->plane[PLANE_A_XY], c, A_X, a, A_Y, a, shift);
-    plane_lanes(&out->plane[PLANE_B_XY], c, B_X, b, B_Y, b, shift);
-    plane_lanes(&out->plane[PLANE_AB_Z], c, A_Z, a, B_Z, b, shift);
-    const struct slope s = slope_fit(term[0], term[1], term[2], term[3], shift, 0, term_limit(model, t));
-    out->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
     for (int k = 0; k < 3; k++)
         out->colour[k] = light->irradiance[k];
     set_direction(out, light->v);
+    for (int i = 0; i < (shift ? 4 : 1); i++)
+        corner_find(&c[i], &out->angle[i], light->v, block->view[i]);
+    if (!shift) {
+        if (block->scaled)
+            scale_b(&c[0], out->angle[0]);
+        planes_constant(out, &c[0]);
+        return;
+    }
+    const int32_t a = shortfall(c, A_X), b = shortfall(c, B_X);
+    for (int i = 0; i < 4 && block->scaled; i++)
+        scale_b(&c[i], out->angle[i]);
+    plane_lanes(&out->plane[PLANE_A_XY], c, A_X, a, A_Y, a, shift);
+    plane_lanes(&out->plane[PLANE_B_XY], c, B_X, b, B_Y, b, shift);
+    plane_lanes(&out->plane[PLANE_AB_Z], c, A_Z, a, B_Z, b, shift);
+}
+
+static void term_plane(struct raster_block_light *out, const struct raster_model *model, const struct lut_table *t,
+                       unsigned shift)
+{
+    int32_t term[4];
+    if (!shift) {
+        term_constant(out, model, t, out->angle[0]);
+        return;
+    }
+    for (int i = 0; i < 4; i++)
+        term[i] = (int32_t)term_find(model, t, out->angle[i]);
+    const struct slope s = slope_fit(term[0], term[1], term[2], term[3], shift, 0, term_limit(model, t));
+    out->plane[PLANE_TERM] = (struct raster_plane){(uint32_t)s.base, (uint32_t)s.dx, (uint32_t)s.dy};
 }
 
 /* Exactly what a corner has, at every pixel of the batch in turn. Point lights reach with what their distance leaves. */
@@ -344,7 +365,7 @@ static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint
     struct raster_block_light out;
     uint32_t lit = 0;
     for (uint32_t i = 0; i < b->count; i++) {
-        const struct raster_surface *s = &t->surface[b->surface[i]];
+        const struct raster_surface *s = &t->surface[b->surface[i] & 0xffff];
         const uint32_t x = x0 + (b->pixel[i].at & 255), y = y0 + (b->pixel[i].at >> 8);
         uint32_t attenuation = 1u << 30;
         struct vec3 l = light->v;
@@ -353,11 +374,11 @@ static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint
             continue;
         for (int k = 0; k < 3; k++)
             out.colour[k] = (uint32_t)((uint64_t)light->irradiance[k] * attenuation >> 30);
-        corner_find(&c, l, raster_view_vector(r, x, y));
-        uint32_t term = term_find(model, table, &c), limit = (uint32_t)term_limit(model, table);
+        corner_find(&c, &out.angle[0], l, raster_view_vector(r, x, y));
+        term_constant(&out, model, table, out.angle[0]);
         if (model->scales_b)
-            scale_b(&c);
-        planes_constant(&out, &c, term < limit ? term : limit);
+            scale_b(&c, out.angle[0]);
+        planes_constant(&out, &c);
         set_direction(&out, l);
         lit += model->shade(b, i, i + 1, r, &out);
     }
@@ -372,10 +393,19 @@ uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, c
     const struct lut_table *table = r->frame.tables[r->frame.materials[b->material].slot]; /* of a measured one */
     if (light->radius || block->exact)
         return shade_pixels(t, r, x0 + block->x, y0 + block->y, light, model, table);
-    const uint32_t place = index % RASTER_BLOCK_LIGHTS;
-    if (index >= RASTER_BLOCK_LIGHTS || !(block->ready >> index & 1))
-        light_planes(&block->light[place], model, table, light, block);
-    block->ready = (block->ready & ~(1u << place)) | (index < RASTER_BLOCK_LIGHTS ? 1u << index : 0);
+    const uint32_t place = index % RASTER_BLOCK_LIGHTS, kept = index < RASTER_BLOCK_LIGHTS ? 1u << index : 0;
+    if (block->material != b->material) {
+        block->material = b->material;
+        block->terms = 0;
+        block->ready = block->scaled == model->scales_b ? block->ready : 0;
+        block->scaled = model->scales_b;
+    }
+    if (!(block->ready & kept))
+        light_planes(&block->light[place], light, block);
+    if (!(block->ready & block->terms & kept))
+        term_plane(&block->light[place], model, table, block->shift);
+    block->ready = (block->ready & ~(1u << place)) | kept;
+    block->terms = (block->terms & ~(1u << place)) | kept;
     return model->shade(b, 0, b->count, r, &block->light[place]);
 }
 
@@ -400,16 +430,20 @@ bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsign
 void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,
                         uint32_t y, unsigned shift, bool exact)
 {
+    const uint32_t middle = shift ? 0 : 1u << RASTER_REGION_SHIFT >> 1;
+    if (out->x == x && out->y == y && out->shift == shift && out->exact == exact)
+        return;
     out->x = x;
     out->y = y;
     out->shift = shift;
     out->exact = exact;
     out->ready = 0;
-    for (uint32_t i = 0; i < 4; i++)
-        out->view[i] = raster_view_vector(r, x0 + x + ((i & 1) << shift), y0 + y + ((i >> 1) << shift));
-    for (int k = 0; k < 3; k++) {
+    for (uint32_t i = 0; i < (exact ? 0u : shift ? 4u : 1u); i++)
+        out->view[i] =
+            raster_view_vector(r, x0 + x + middle + ((i & 1) << shift), y0 + y + middle + ((i >> 1) << shift));
+    for (int k = 0; k < 3 && !exact; k++) {
         int32_t p[4];
-        for (int i = 0; i < 4; i++)
+        for (int i = 0; i < (shift ? 4 : 1); i++)
             p[i] = (k == 0 ? out->view[i].x : k == 1 ? out->view[i].y : out->view[i].z) * (1 << VIEW_PLANE_BITS);
         struct slope s =
             shift ? slope_fit(p[0], p[1], p[2], p[3], shift, INT32_MIN, INT32_MAX) : (struct slope){p[0], 0, 0};

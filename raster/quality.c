@@ -8,7 +8,11 @@
 
 #define ONE_SHIFT 10
 
-const uint8_t raster_cell_shift[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
+uint8_t raster_cell_shift(const struct raster *r, unsigned rate, unsigned axis)
+{
+    static const uint8_t pixels[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
+    return (uint8_t)fx_min_u(pixels[rate][axis] + r->sample_shift, 2);
+}
 
 const struct raster_model *raster_model_of(const struct raster_frame *f, const struct scene_material *m)
 {
@@ -65,7 +69,8 @@ uint32_t raster_samples_most(const struct raster *r, const struct raster_survey 
         return fx_min_u(a->cells, s->meshlets[class_id]);
     if (rate == RASTER_RATE_1X1 && !r->sample_shift)
         return a->pixels;
-    return fx_min_u((uint32_t)a->cells << (4 - raster_cell_shift[rate][0] - raster_cell_shift[rate][1]), a->pixels);
+    const unsigned parts = 4 + 2 * r->sample_shift - raster_cell_shift(r, rate, 0) - raster_cell_shift(r, rate, 1);
+    return fx_min_u((uint32_t)a->cells << parts, a->pixels);
 }
 
 void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
@@ -77,13 +82,14 @@ void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct ras
     const uint32_t inverse = edge * ratio > one ? (edge * ratio - one) / (edge - 1) : 0; /* 1/a <= 1 */
     for (int rate = 0; rate < RASTER_RATE_FLAT; rate++) {
         uint32_t n = a->pixels;
-        for (int i = 0; i < 2; i++) {
-            const unsigned shift = raster_cell_shift[rate][i] + r->sample_shift;
+        for (unsigned i = 0; i < 2; i++) {
+            const unsigned shift = raster_cell_shift(r, (unsigned)rate, i);
             n = (n * ((one + ((1u << shift) - 1) * inverse) >> shift) + one / 2) >> ONE_SHIFT;
         }
         samples[rate] = n;
     }
-    samples[RASTER_RATE_4X4] = a->cells;
+    if (!r->sample_shift)
+        samples[RASTER_RATE_4X4] = a->cells;
     samples[RASTER_RATE_FLAT] = fx_min_u(a->cells, s->meshlets[class_id]);
 }
 
@@ -95,5 +101,5 @@ uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *
     if (rate == RASTER_RATE_FLAT || (r->block_shift == RASTER_REGION_SHIFT &&
                                      raster_block_regular(r, rect->x + x, rect->y + y, RASTER_REGION_SHIFT)))
         return 1;
-    return 1u << 2 * (RASTER_REGION_SHIFT - raster_cell_shift[rate][0]);
+    return 1u << 2 * (RASTER_REGION_SHIFT + r->sample_shift - raster_cell_shift(r, rate, 0));
 }

@@ -16,7 +16,7 @@
  *
  * Rates. At rate 2^x by 2^y all pixels of one meshlet within a cell of that size are shaded once, by their mean normal: homogeneous
  * normals are linear on the screen, so the mean is the interpolated normal of the pixels' centroid. Edges of objects, materials and
- * meshlets stay as sharp as ever. The last rate, flat, shades every meshlet once for the whole tile, by its mean normal: whatever the
+ * meshlets stay as sharp as ever. With 4 samples per pixel a cell has at most 4 x 4 of them. The last rate, flat, shades every meshlet once for the whole tile, by its mean normal: whatever the
  * surface is, at most RASTER_SLOTS - 1 evaluations.
  */
 #ifndef RASTER_QUALITY_H
@@ -116,7 +116,6 @@ struct raster_costs {
     uint32_t light;    /* a light tried in a survey */
     uint32_t region;   /* gone through, once for each material and rate, with its first block */
     uint32_t flat;     /* the same at rate flat */
-    uint32_t cell;     /* of a rate's cells, visited */
     uint32_t part;     /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
     uint32_t mixed;    /* what it takes more beside others */
     uint32_t run;      /* the same where every pixel is shaded */

@@ -196,7 +196,7 @@ struct raster_batch {
         };
     };
     uq12_20_t radiance[RASTER_BATCH][3];
-    uint16_t surface[RASTER_BATCH]; /* index into the tile's */
+    uint32_t surface[RASTER_BATCH]; /* index into the tile's; in the upper half which of those around it, see shade.c */
     uint32_t count;
     uint32_t material;
 };

@@ -8,6 +8,7 @@
 #include "quality.h"
 
 #define FLAT_KNOWN 0x80000000u
+#define FLAT_SOON  1u
 
 /* Surfaces of one material being shaded, and the region they are in. */
 struct shading {
@@ -19,12 +20,23 @@ struct shading {
     uint32_t material;
     const struct raster_model *model; /* its */
     enum raster_rate rate;
-    uint32_t other;         /* slot of another material or rate that was met, too; 0: none */
-    uint8_t format;         /* of a finished value */
-    uint8_t cell_x, cell_y; /* log2 of a cell's edges, in samples */
-    bool mean;              /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
-    bool flat;              /* a meshlet has one colour */
+    struct raster_block *block; /* the last one, which may be the next material's or rate's, too */
+    uint32_t other;             /* slot of another material or rate that was met, too; 0: none */
+    uint8_t format;             /* of a finished value */
+    bool mean;                  /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
+    bool flat;                  /* a meshlet has one colour */
+    uint8_t cell_x, cell_y;     /* log2 of a cell's edges, in samples; at most 2 */
+    /* Sixteen samples side by side, cells in a row: `wide` is log2 of their columns. In masks the first is the highest bit. */
+    uint8_t wide;
+    const uint16_t *place; /* of each, from the first on */
+    uint32_t cell;         /* the first one's mask; 0: there are none */
 };
+
+#define PLACE(y, x)  ((y)*RASTER_TILE_WIDTH + (x))
+#define PLACES(y, x) PLACE(y, x), PLACE(y, (x) + 1), PLACE(y, (x) + 2), PLACE(y, (x) + 3)
+static const uint16_t places[3][16] = {{PLACES(0, 0), PLACES(0, 4), PLACES(0, 8), PLACES(0, 12)},
+                                       {PLACES(0, 0), PLACES(0, 4), PLACES(1, 0), PLACES(1, 4)},
+                                       {PLACES(0, 0), PLACES(1, 0), PLACES(2, 0), PLACES(3, 0)}};
 
 /* Keeps it below 2^31. */
 static void limit_radiance(struct raster_batch *b)
@@ -33,16 +45,27 @@ static void limit_radiance(struct raster_batch *b)
         *c = *c < INT32_MAX ? *c : INT32_MAX;
 }
 
-/* The same for all samples of its cell that show the same slot. */
-static void put_cell(const struct shading *o, uint32_t index, uint32_t value)
+/* The same for all samples of a cell's mask, of which `index` is the first. */
+static inline void put_cell(const struct shading *o, uint32_t index, uint32_t mask, uint32_t value)
 {
-    const uint32_t columns = (1u << o->cell_x) - 1, rows = (1u << o->cell_y) - 1;
-    const uint32_t slot = raster_slot_of(&o->t->surface[index]);
-    struct raster_surface *s = &o->t->surface[index & ~(columns + rows * RASTER_TILE_WIDTH)];
-    for (uint32_t y = 0; y <= rows; y++, s += RASTER_TILE_WIDTH)
-        for (uint32_t x = 0; x <= columns; x++)
-            if (raster_slot_of(&s[x]) == slot)
-                raster_put_colour(&s[x], value);
+    struct raster_surface *s = &o->t->surface[index];
+    if (mask == o->cell >> fx_clz(mask) && o->cell_x) {
+        for (const struct raster_surface *end = s + PLACE(1 << o->cell_y, 0); s != end; s += PLACE(1, 0)) {
+            raster_put_colour(&s[0], value);
+            raster_put_colour(&s[1], value);
+            if (o->cell_x == 1)
+                continue;
+            raster_put_colour(&s[2], value);
+            raster_put_colour(&s[3], value);
+        }
+        return;
+    }
+    s -= o->place[fx_clz(mask)];
+    do {
+        const uint32_t i = fx_clz(mask);
+        mask &= ~(0x80000000u >> i);
+        raster_put_colour(&s[o->place[i]], value);
+    } while (mask);
 }
 
 /* Keeps the range of a meshlet's green. */
@@ -50,7 +73,7 @@ static void note_values(const struct shading *o, const uint32_t *value)
 {
     const struct raster_batch *b = &o->t->batch;
     for (uint32_t i = 0; i < b->count; i++) {
-        const uint32_t slot = raster_slot_of(&o->t->surface[b->surface[i]]);
+        const uint32_t slot = raster_slot_of(&o->t->surface[b->surface[i] & 0xffff]);
         const uint8_t green = (uint8_t)(o->format == RASTER_RGB565 ? value[i] >> 5 << 2 : value[i] >> 8);
         uint8_t *low = &o->t->m.shading.low[slot], *high = &o->t->m.shading.high[slot];
         *low = green < *low ? green : *low;
@@ -65,10 +88,10 @@ static void put_values(const struct shading *o, const uint32_t *value)
         note_values(o, value);
     if (o->flat)
         for (uint32_t i = 0; i < b->count; i++)
-            o->t->m.shading.flat[raster_slot_of(&o->t->surface[b->surface[i]])] = value[i] | FLAT_KNOWN;
-    else if (o->cell_x | o->cell_y)
+            o->t->m.shading.flat[raster_slot_of(&o->t->surface[b->surface[i] & 0xffff])] = value[i] | FLAT_KNOWN;
+    else if (o->cell)
         for (uint32_t i = 0; i < b->count; i++)
-            put_cell(o, b->surface[i], value[i]);
+            put_cell(o, b->surface[i] & 0xffff, b->surface[i] & 0xffff0000u, value[i]);
     else
         for (uint32_t i = 0; i < b->count; i++)
             raster_put_colour(&o->t->surface[b->surface[i]], value[i]);
@@ -92,7 +115,8 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
     if (!b->count)
         return;
     __builtin_memset(b->radiance, 0, b->count * sizeof b->radiance[0]);
-    for (unsigned l = 0, added = 0; l < r->frame.light_count; l++) {
+    unsigned added = 0;
+    for (unsigned l = 0; l < r->frame.light_count; l++) {
         if (!(o->t->light_chosen[l / 32] >> l % 32 & 1))
             continue;
         const bool planes = !r->lights[l].radius && !k->exact;
@@ -105,7 +129,8 @@ static void flush(const struct shading *o, struct raster_block *k, struct raster
         if (++added % 16 == 0) /* sums of 2^31 and RASTER_LIGHT_LIMIT */
             limit_radiance(b);
     }
-    limit_radiance(b);
+    if (added > 16)
+        limit_radiance(b);
     stats->samples += b->count;
     stats->shaded += lit;
     stats->cost += o->flat ? (uint64_t)b->count * c->flat : cost;
@@ -137,7 +162,7 @@ static struct vec3 face_viewer(struct vec3 n, struct vec3 v, int32_t nv)
 /* The batch's next pixels, up to eight and to the first that is to be turned to the viewer, from surfaces of one slot side by side; `view`
  * as wide as its planes are. Returns how many: none where there is no room for eight. */
 static uint32_t gather_eight(struct raster_tile *t, const struct raster_block *k, const struct raster_surface *s,
-                             uint32_t count, const int32_t frame[9], const int32_t view[3], uint32_t at, bool facing)
+                             uint32_t count, const int32_t view[3], uint32_t at, bool facing)
 {
     struct raster_batch *b = &t->batch;
     if (count < 3)
@@ -145,13 +170,12 @@ static uint32_t gather_eight(struct raster_tile *t, const struct raster_block *k
     const uint32_t index = (uint32_t)(s - t->surface);
     if (index + 8 > RASTER_TILE_PIXELS || b->count + 8 > RASTER_BATCH)
         return 0;
-    const uint32_t away =
-        raster_gather_wide(&b->pixel[b->count], s, frame, t->slots[raster_slot_of(s)].normal_shift, view, k->plane, at);
+    const uint32_t away = raster_gather_wide(&b->pixel[b->count], s, &t->slots[raster_slot_of(s)], view, k->plane, at);
     count = count < 8 ? count : 8;
     for (uint32_t i = 0; i < count; i++) {
         if (facing && away >> 4 * i & 1)
             return i;
-        b->surface[b->count++] = (uint16_t)(index + i);
+        b->surface[b->count++] = index + i;
     }
     return count;
 }
@@ -172,50 +196,57 @@ static inline void block_view(int32_t view[3], const struct shading *o, const st
         view[i] = (int32_t)(k->plane[i].base + x * k->plane[i].dx + y * k->plane[i].dy) + (1 << (VIEW_PLANE_BITS - 1));
 }
 
-/* Adds `count` surfaces of one slot from s on to the block's batch, as at every `step`th pixel from (x, y) of the block on; more than one
- * only where the block is not exact. Their colours are for the surfaces at every `step`th place from `index` on. */
-static void gather_run(const struct shading *o, struct raster_block *k, uint32_t x, uint32_t y, uint32_t index,
-                       const struct raster_surface *s, uint32_t count, uint32_t step, struct raster_stats *stats)
+/* The batch's next sample: a surface's normal, seen from `view`. */
+__attribute__((always_inline)) static inline void add_sample(struct raster_batch *b, const struct raster_slot *slot,
+                                                             bool facing, const struct raster_surface *s,
+                                                             const int32_t view[3], uint32_t at, uint32_t surface)
+{
+    struct vec3 n = raster_eye_normal(slot, s);
+    const struct vec3 v = {view[0] >> VIEW_PLANE_BITS, view[1] >> VIEW_PLANE_BITS, view[2] >> VIEW_PLANE_BITS};
+    int32_t nv = fx_dot(n, v);
+    if (nv < 1 << 23 && facing) {
+        n = face_viewer(n, v, nv);
+        nv = fx_max(fx_dot(n, v), 1 << 22);
+    }
+    struct raster_batch_pixel *p = &b->pixel[b->count];
+    if (((uint32_t)(n.x + 32768) | (uint32_t)(n.y + 32768) | (uint32_t)(n.z + 32768)) >> 16)
+        n = (struct vec3){fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767), fx_clamp(n.z, -32768, 32767)};
+    p->normal_xy = lanes(n.x, n.y);
+    p->normal_z = n.z;
+    p->nv = nv;
+    p->at = at;
+    b->surface[b->count++] = surface;
+}
+
+/* Adds surfaces of one slot side by side to the block's batch, from pixel (x, y) of the block on; more than one only where the block is not
+ * exact. */
+static void gather_run(const struct shading *o, struct raster_block *k, uint32_t x, uint32_t y,
+                       const struct raster_surface *s, const struct raster_surface *end, struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
-    const struct raster_slot *slot = &o->t->slots[raster_slot_of(&o->t->surface[index])];
+    const struct raster_slot *slot = &o->t->slots[raster_slot_of(s)];
     const bool facing = o->model->facing;
-    int32_t frame[9], view[3]; /* the latter Q15 with VIEW_PLANE_BITS more, at x */
-    raster_slot_frame(frame, slot);
+    uint32_t at = x | y << 8;
+    int32_t view[3]; /* Q15 with VIEW_PLANE_BITS more */
     block_view(view, o, k, x, y);
-    for (const struct raster_surface *end = s + count; s != end; s++, x += step, index += step) {
+    for (uint32_t index = (uint32_t)(s - o->t->surface); s != end; s++, at++, index++) {
         if (b->count == RASTER_BATCH)
             flush(o, k, stats);
 #ifdef RASTER_WIDE
-        const uint32_t eight =
-            step > 1 ? 0 : gather_eight(o->t, k, s, (uint32_t)(end - s), frame, view, x | y << 8, facing);
+        const uint32_t eight = gather_eight(o->t, k, s, (uint32_t)(end - s), view, at, facing);
         if (eight) {
             for (int i = 0; i < 3; i++)
                 view[i] += (int32_t)(eight * k->plane[i].dx);
             s += eight - 1;
-            x += eight - 1;
+            at += eight - 1;
             index += eight - 1;
             continue;
         }
 #endif
-        struct vec3 n = raster_eye_normal(frame, slot->normal_shift, s);
-        const struct vec3 v = {view[0] >> VIEW_PLANE_BITS, view[1] >> VIEW_PLANE_BITS, view[2] >> VIEW_PLANE_BITS};
-        int32_t nv = fx_dot(n, v);
-        if (nv < 1 << 23 && facing) {
-            n = face_viewer(n, v, nv);
-            nv = fx_max(fx_dot(n, v), 1 << 22);
-        }
-        struct raster_batch_pixel *p = &b->pixel[b->count];
-        if (((uint32_t)(n.x + 32768) | (uint32_t)(n.y + 32768) | (uint32_t)(n.z + 32768)) >> 16)
-            n = (struct vec3){fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767), fx_clamp(n.z, -32768, 32767)};
-        p->normal_xy = lanes(n.x, n.y);
-        p->normal_z = n.z;
-        p->nv = nv;
-        p->at = x | y << 8;
-        b->surface[b->count++] = (uint16_t)index;
-        view[0] += (int32_t)(k->plane[0].dx * step);
-        view[1] += (int32_t)(k->plane[1].dx * step);
-        view[2] += (int32_t)(k->plane[2].dx * step);
+        add_sample(b, slot, facing, s, view, at, index);
+        view[0] += (int32_t)k->plane[0].dx;
+        view[1] += (int32_t)k->plane[1].dx;
+        view[2] += (int32_t)k->plane[2].dx;
     }
 }
 
@@ -225,9 +256,8 @@ static inline bool waits_for_rows(const struct shading *o, const struct raster_s
 }
 
 /* Whether a surface is of the material and rate being shaded. Takes note of others. */
-static inline bool is_wanted(struct shading *o, const struct raster_surface *s)
+static inline bool is_wanted(struct shading *o, uint32_t slot)
 {
-    const uint32_t slot = raster_slot_of(s);
     if (!slot)
         return false;
     const struct raster_slot *info = &o->t->slots[slot];
@@ -238,178 +268,148 @@ static inline bool is_wanted(struct shading *o, const struct raster_surface *s)
     return false;
 }
 
-static struct raster_surface surface_mean(const struct raster_surface *a, const struct raster_surface *b)
+/* Where the slot's run from s on ends. */
+static inline const struct raster_surface *run_end(const struct raster_surface *s, const struct raster_surface *end)
 {
-    const int32_t u = lane_low(a->normal) + lane_low(b->normal) + 1,
-                  v = lane_high(a->normal) + lane_high(b->normal) + 1;
-    return (struct raster_surface){((a->depth_slot >> 8) + (b->depth_slot >> 8) + 1) >> 1 << 8, lanes(u >> 1, v >> 1)};
+    const uint32_t slot = raster_slot_of(s);
+    do
+        s++;
+    while (s != end && raster_slot_of(s) == slot);
+    return s;
 }
 
 /* A block's row of pixels, each shaded by itself. */
 static void gather_row(struct shading *o, struct raster_block *k, uint32_t y, uint32_t width,
                        struct raster_stats *stats)
 {
-    const uint32_t index = (k->y + y) * RASTER_TILE_WIDTH + k->x;
-    const struct raster_surface *row = &o->t->surface[index];
-    for (uint32_t x = 0; x < width;) {
-        uint32_t end = x + 1, slot = raster_slot_of(&row[x]);
-        while (end < width && raster_slot_of(&row[end]) == slot)
-            end++;
-        if (is_wanted(o, &row[x]))
-            gather_run(o, k, x, y, index + x, &row[x], end - x, 1, stats);
-        x = end;
+    const struct raster_surface *row = &o->t->surface[(k->y + y) * RASTER_TILE_WIDTH + k->x], *next;
+    for (const struct raster_surface *s = row, *end = row + width; s != end; s = next) {
+        next = run_end(s, end);
+        if (is_wanted(o, raster_slot_of(s)))
+            gather_run(o, k, (uint32_t)(s - row), y, s, next, stats);
     }
 }
 
-/* The same in cells of 2x1: of a slot's run, all but an odd first pixel are at even places. */
-static void gather_pairs(struct shading *o, struct raster_block *k, uint32_t y, uint32_t width,
-                         struct raster_stats *stats)
+/* The first slot in words of four; 0: there is none. */
+static inline uint32_t first_slot(const uint32_t word[4])
 {
-    const uint32_t index = (k->y + y) * RASTER_TILE_WIDTH + k->x;
-    const struct raster_surface *row = &o->t->surface[index];
-    for (uint32_t x = 0; x < width;) {
-        struct raster_surface mean[1 << (RASTER_BLOCK_SHIFT - 1)];
-        uint32_t end = x + 1, slot = raster_slot_of(&row[x]), count = 0;
-        while (end < width && raster_slot_of(&row[end]) == slot)
-            end++;
-        const uint32_t first = x + (x & 1);
-        if (is_wanted(o, &row[x])) {
-            if (first != x)
-                gather_run(o, k, x, y, index + x, &row[x], 1, 1, stats);
-            for (uint32_t i = first; i < end; i += 2)
-                mean[count++] = i + 1 < end ? surface_mean(&row[i], &row[i + 1]) : row[i];
-            if (count)
-                gather_run(o, k, first, y, index + first, mean, count, 2, stats);
-        }
-        x = end;
-    }
+    const uint32_t w = word[0] ? word[0] : word[1] ? word[1] : word[2] ? word[2] : word[3];
+    return w ? w >> (24 - (fx_clz(w) & 24u)) : 0;
 }
 
-/* A cell cut at the picture's edge, in samples. */
-struct cell {
-    uint32_t index; /* of its first surface */
-    uint32_t x, y;  /* of that, in the block */
-    uint32_t width, height;
-};
-
-/* Whether it shows the slot of its first sample and no other. */
-static bool cell_is_whole(const struct shading *o, const struct cell *c)
+/* Removes a slot from a word of four; returns where it was, the highest bits of a mask. */
+static inline uint32_t mask_four(uint32_t *word, uint32_t slot)
 {
-    const struct raster_surface *s = &o->t->surface[c->index];
-    const uint32_t slot = raster_slot_of(s);
-    for (uint32_t y = 0; y < c->height; y++, s += RASTER_TILE_WIDTH)
-        for (uint32_t x = 0; x < c->width; x++)
-            if (raster_slot_of(&s[x]) != slot)
-                return false;
-    return true;
+    const uint32_t differs = raster_slots_differ(*word, slot);
+    *word &= differs - (differs >> 7);
+    return (differs ^ 128 * EACH_SLOT) * ((1u << 21) + (1u << 14) + (1u << 7) + 1) & 0xf0000000u;
 }
 
-/* The mean of a whole cell's corners, which for one triangle is that of all its samples. Returns the surface amid it. */
-static uint32_t cell_corners(struct raster_surface *mean, const struct shading *o, const struct cell *c)
+static inline uint32_t mask_slot(uint32_t word[4], uint32_t slot)
 {
-    const struct raster_surface *a = &o->t->surface[c->index], *b = a + c->width - 1;
-    const struct raster_surface *corner[4] = {a, b, a + (c->height - 1) * RASTER_TILE_WIDTH,
-                                              b + (c->height - 1) * RASTER_TILE_WIDTH};
-    int32_t u = 2, v = 2;
-    uint32_t depth = 2;
-    for (int i = 0; i < 4; i++) {
-        u += lane_low(corner[i]->normal);
-        v += lane_high(corner[i]->normal);
-        depth += corner[i]->depth_slot >> 8;
-    }
-    *mean = (struct raster_surface){depth >> 2 << 8, lanes(u >> 2, v >> 2)};
-    return c->index + ((c->height - 1) >> 1) * RASTER_TILE_WIDTH + ((c->width - 1) >> 1);
+    const uint32_t low = mask_four(&word[2], slot) | mask_four(&word[3], slot) >> 4,
+                   high = mask_four(&word[0], slot) | mask_four(&word[1], slot) >> 4;
+    return high | low >> 8;
 }
 
-/* The surface at `index`, shaded with the normal of another, as if in pixel row y of the block: rows never fall in a batch. */
-static void gather_sample(const struct shading *o, struct raster_block *k, uint32_t y, uint32_t index,
-                          const struct raster_surface *normal, struct raster_stats *stats)
+/* Samples in columns left .. right-1 and rows 0 .. below-1. */
+static uint32_t mask_inside(const struct shading *o, uint32_t left, uint32_t right, uint32_t below)
 {
-    gather_run(o, k, (index % RASTER_TILE_WIDTH >> o->r->sample_shift) - k->x, y, index, normal, 1, 1, stats);
+    const uint32_t row = (UINT32_MAX >> left) & ~(UINT32_MAX >> fx_min_u(right, 1u << o->wide));
+    uint32_t mask = 0;
+    for (uint32_t y = 0; y < fx_min_u(below, 16u >> o->wide); y++)
+        mask |= row >> (y << o->wide);
+    return mask;
 }
 
-/* Its middle row, pixels of the block: that of all cells beside it. */
-static uint32_t cell_row(const struct shading *o, const struct raster_block *k, const struct cell *c)
+/* The mean of a whole cell's corners, which for one triangle is that of all its samples. */
+static inline struct raster_surface cell_mean(const struct shading *o, const struct raster_surface *a)
 {
-    const uint32_t first = c->index / RASTER_TILE_WIDTH;
-    return ((first + ((c->height - 1) >> 1)) >> o->r->sample_shift) - k->y;
-}
-
-/* What a cell shows of one slot: sums over samples, and the first one's place. */
-struct part {
-    uint8_t slot, count;
-    uint16_t index;
-    uint32_t u, v, depth; /* u and v 2^15 more a sample, so that division rounds one way; sums of 64 */
-};
-
-static struct raster_surface part_mean(const struct part *p)
-{
-    if (p->count == 1)
-        return (struct raster_surface){p->depth << 8, lanes((int32_t)(p->u - 32768), (int32_t)(p->v - 32768))};
-    const uint32_t half = p->count / 2;
+    const struct raster_surface *b = a + (1 << o->cell_x) - 1, *c = a + PLACE((1 << o->cell_y) - 1, 0),
+                                *d = c + (b - a);
     return (struct raster_surface){
-        (p->depth + half) / p->count << 8,
-        lanes((int32_t)((p->u + half) / p->count) - 32768, (int32_t)((p->v + half) / p->count) - 32768)};
+        ((a->depth_slot >> 8) + (b->depth_slot >> 8) + (c->depth_slot >> 8) + (d->depth_slot >> 8) + 2) >> 2 << 8,
+        lanes((lane_low(a->normal) + lane_low(b->normal) + lane_low(c->normal) + lane_low(d->normal) + 2) >> 2,
+              (lane_high(a->normal) + lane_high(b->normal) + lane_high(c->normal) + lane_high(d->normal) + 2) >> 2)};
 }
 
-/* A cell with other slots, or cut: up to 16 of them at a time. */
-static void gather_mixed(struct shading *o, struct raster_block *k, const struct cell *c, struct raster_stats *stats)
+/* The mean of a mask's. */
+static inline struct raster_surface mask_mean(const struct shading *o, const struct raster_surface *first,
+                                              uint32_t mask)
 {
-    uint32_t done[RASTER_SLOTS / 32] = {0};
-    for (bool more = true; more;) {
-        struct part part[16], *p = part, *end = part;
-        more = false;
-        for (uint32_t y = 0; y < c->height; y++)
-            for (uint32_t x = 0; x < c->width; x++) {
-                const uint32_t index = c->index + y * RASTER_TILE_WIDTH + x;
-                const struct raster_surface *s = &o->t->surface[index];
-                const uint32_t slot = raster_slot_of(s);
-                if (p == end || p->slot != slot) {
-                    for (p = part; p != end && p->slot != slot;)
-                        p++;
-                    if (p == end) {
-                        if (!is_wanted(o, s) || done[slot / 32] >> slot % 32 & 1)
-                            continue;
-                        if (end == part + 16) {
-                            more = true;
-                            continue;
-                        }
-                        *end++ = (struct part){.slot = (uint8_t)slot, .index = (uint16_t)index};
-                    }
-                }
-                if (!o->mean && p->count)
-                    continue;
-                p->u += (uint32_t)(lane_low(s->normal) + 32768);
-                p->v += (uint32_t)(lane_high(s->normal) + 32768);
-                p->depth += s->depth_slot >> 8;
-                p->count++;
-            }
-        for (p = part; p != end; p++) {
-            const struct raster_surface mean = part_mean(p);
-            done[p->slot / 32] |= 1u << p->slot % 32;
-            gather_sample(o, k, cell_row(o, k, c), p->index, &mean, stats);
-        }
-    }
+    uint32_t u = 0, v = 0, depth = 0, count = 0; /* u and v 2^15 more each at last, so that division rounds one way */
+    do {
+        const uint32_t i = fx_clz(mask);
+        const struct raster_surface *s = &first[o->place[i]];
+        mask &= ~(0x80000000u >> i);
+        u += (uint32_t)lane_low(s->normal);
+        v += (uint32_t)lane_high(s->normal);
+        depth += s->depth_slot >> 8;
+        count++;
+    } while (mask);
+    const uint32_t half = count / 2, offset = (count << 15) + half;
+    return (struct raster_surface){(depth + half) / count << 8, lanes((int32_t)((u + offset) / count - 32768),
+                                                                      (int32_t)((v + offset) / count - 32768))};
 }
 
+/* A slot's samples of sixteen from surface `first` on, a cell at a time; the first cell's middle is at pixel (x0, y) of the block, `row_view`
+ * at (0, y). */
+static inline void gather_masked(const struct shading *o, struct raster_block *k, uint32_t first, uint32_t mask,
+                                 uint32_t slot, uint32_t x0, uint32_t y, const int32_t row_view[3],
+                                 struct raster_stats *stats)
+{
+    struct raster_batch *b = &o->t->batch;
+    const struct raster_surface *s = &o->t->surface[first];
+    do {
+        const uint32_t i = fx_clz(mask), before = (i & ((1u << o->wide) - 1)) >> o->cell_x << o->cell_x,
+                       cell = o->cell >> before, part = mask & cell, x = x0 + (before >> o->r->sample_shift);
+        struct raster_surface mean = s[o->place[i]];
+        int32_t view[3];
+        mask -= part;
+        if (o->mean && part == cell)
+            mean = cell_mean(o, &s[before]);
+        else if (o->mean && part & (part - 1))
+            mean = mask_mean(o, s, part);
+        if (b->count == RASTER_BATCH)
+            flush(o, k, stats);
+        if (k->exact) {
+            block_view(view, o, k, x, y);
+        } else {
+            view[0] = row_view[0] + (int32_t)(x * k->plane[0].dx);
+            view[1] = row_view[1] + (int32_t)(x * k->plane[1].dx);
+            view[2] = row_view[2] + (int32_t)(x * k->plane[2].dx);
+        }
+        add_sample(b, &o->t->slots[slot], o->model->facing, &mean, view, x | y << 8, part | (first + o->place[i]));
+    } while (mask);
+}
+
+/* A block's samples, sixteen at a time, by the slots that they show. */
 static void gather_cells(struct shading *o, struct raster_block *k, uint32_t width, uint32_t height,
                          struct raster_stats *stats)
 {
     const unsigned shift = o->r->sample_shift;
-    const uint32_t right = (k->x + width) << shift, below = (k->y + height) << shift;
-    for (uint32_t y = k->y << shift; y < below; y += 1u << o->cell_y)
-        for (uint32_t x = k->x << shift; x < right; x += 1u << o->cell_x) {
-            const uint32_t columns = 1u << o->cell_x, rows = 1u << o->cell_y;
-            const struct cell c = {.index = y * RASTER_TILE_WIDTH + x,
-                                   .width = right - x < columns ? right - x : columns,
-                                   .height = below - y < rows ? below - y : rows};
-            if (!cell_is_whole(o, &c)) {
-                gather_mixed(o, k, &c, stats);
-            } else if (is_wanted(o, &o->t->surface[c.index])) {
-                struct raster_surface mean = o->t->surface[c.index];
-                gather_sample(o, k, cell_row(o, k, &c), o->mean ? cell_corners(&mean, o, &c) : c.index, &mean, stats);
+    const uint32_t left = k->x << shift, right = (k->x + width) << shift, below = (k->y + height) << shift,
+                   columns = 1u << o->wide, rows = 16u >> o->wide, middle_x = ((1u << o->cell_x) - 1) >> 1,
+                   middle_y = ((1u << o->cell_y) - 1) >> 1;
+    for (uint32_t y = k->y << shift; y < below; y += rows) {
+        const uint32_t pixel_y = ((y + middle_y) >> shift) - k->y;
+        int32_t view[3];
+        block_view(view, o, k, 0, pixel_y);
+        for (uint32_t x = left & ~(columns - 1); x < right; x += columns) {
+            const uint32_t first = y * RASTER_TILE_WIDTH + x;
+            const struct raster_surface *s = &o->t->surface[first];
+            uint32_t inside = 0xffff0000u, slot,
+                     word[4] = {raster_four_slots(s), raster_four_slots(s + o->place[4]),
+                                raster_four_slots(s + o->place[8]), raster_four_slots(s + o->place[12])};
+            if (x < left || x + columns > right || y + rows > below)
+                inside = mask_inside(o, x < left ? left - x : 0, right - x, below - y);
+            while ((slot = first_slot(word)) != 0) {
+                const uint32_t mask = mask_slot(word, slot) & inside;
+                if (mask && is_wanted(o, slot))
+                    gather_masked(o, k, first, mask, slot, ((x + middle_x) >> shift) - k->x, pixel_y, view, stats);
             }
         }
+    }
 }
 
 static void shade_block(struct shading *o, uint32_t x, uint32_t y, unsigned shift, bool exact,
@@ -417,17 +417,14 @@ static void shade_block(struct shading *o, uint32_t x, uint32_t y, unsigned shif
 {
     const uint32_t edge = 1u << shift, right = o->width - x, below = o->height - y;
     const uint32_t width = right < edge ? right : edge, height = below < edge ? below : edge;
-    struct raster_block k;
-    raster_block_setup(&k, o->r, o->x0, o->y0, x, y, shift, exact);
-    if (o->cell_y || o->r->sample_shift || (o->cell_x && exact))
-        gather_cells(o, &k, width, height, stats);
+    struct raster_block *k = o->block;
+    raster_block_setup(k, o->r, o->x0, o->y0, x, y, shift, exact);
+    if (o->cell)
+        gather_cells(o, k, width, height, stats);
     else
         for (uint32_t i = 0; i < height; i++)
-            if (o->cell_x)
-                gather_pairs(o, &k, i, width, stats);
-            else
-                gather_row(o, &k, i, width, stats);
-    flush(o, &k, stats);
+            gather_row(o, k, i, width, stats);
+    flush(o, k, stats);
 }
 
 /* A region, in smaller blocks where planes do not hold: in Z order, each as large as its place allows and no smaller than a cell. */
@@ -459,7 +456,7 @@ static void shade_region(struct shading *o, uint32_t x0, uint32_t y0, struct ras
     }
 }
 
-/* Every meshlet of the region by its frame's z axis, which is about its mean normal, at its first sample in the tile. */
+/* Every meshlet of the region by its frame's z axis, which is about its mean normal, seen from the region's middle; once in the tile. */
 static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
 {
     const struct raster_surface axis = {0, 0};
@@ -467,40 +464,56 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
     const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
                    below = o->height - y0 < edge ? o->height : y0 + edge;
     uint32_t *flat = o->t->m.shading.flat;
-    struct raster_block k;
-    raster_block_setup(&k, o->r, o->x0, o->y0, x0, y0, RASTER_REGION_SHIFT, true);
+    int32_t view[3];
+    struct raster_block *k = o->block;
+    raster_block_setup(k, o->r, o->x0, o->y0, x0, y0, 0, false);
+    block_view(view, o, k, 0, 0);
     stats->cost += costs_of(o->r)->flat;
-    for (int colour = 0; colour < 2; colour++) {
-        for (uint32_t y = y0 << shift; y < below << shift; y++)
-            for (uint32_t x = x0 << shift; x < right << shift; x++) {
-                const uint32_t index = y * RASTER_TILE_WIDTH + x;
-                struct raster_surface *s = &o->t->surface[index];
-                if (!is_wanted(o, s))
+    for (bool waits = true; waits;) {
+        waits = false;
+        for (uint32_t y = y0 << shift; y < below << shift; y++) {
+            struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + (x0 << shift)];
+            for (const struct raster_surface *end = s + ((right - x0) << shift), *first = s; s != end;) {
+                const uint32_t slot = raster_slot_of(s), colour = is_wanted(o, slot) ? flat[slot] : FLAT_SOON;
+                if (colour & FLAT_KNOWN) {
+                    do
+                        raster_put_colour(s++, colour & ~FLAT_KNOWN);
+                    while (s != end && raster_slot_of(s) == slot);
                     continue;
-                if (colour) {
-                    raster_put_colour(s, flat[raster_slot_of(s)] & ~FLAT_KNOWN);
-                } else if (!flat[raster_slot_of(s)]) {
-                    flat[raster_slot_of(s)] = FLAT_KNOWN; /* soon */
-                    gather_sample(o, &k, (y >> shift) - y0, index, &axis, stats);
                 }
+                if (!colour) {
+                    const uint32_t at = (uint32_t)(s - first) >> shift | ((y >> shift) - y0) << 8;
+                    flat[slot] = FLAT_SOON;
+                    waits = true;
+                    if (o->t->batch.count == RASTER_BATCH)
+                        flush(o, k, stats);
+                    add_sample(&o->t->batch, &o->t->slots[slot], o->model->facing, &axis, view, at,
+                               (uint32_t)(s - o->t->surface));
+                }
+                s += run_end(s, end) - s;
             }
-        flush(o, &k, stats);
+        }
+        flush(o, k, stats);
     }
 }
 
-/* The cells of the rate, in samples. */
+/* The cells of the rate, in samples: none where every pixel is shaded, and has one. */
 static void choose_cells(struct shading *o)
 {
     const enum raster_rate rate = o->rate;
-    const uint8_t sample_shift = o->r->sample_shift;
     o->flat = rate == RASTER_RATE_FLAT;
     o->mean = rate != RASTER_RATE_1X1;
     o->cell_x = o->cell_y = 0;
     /* Before the last meshlet is drawn, every sample is shaded by itself: which of a pixel's is seen may change. */
-    if (o->flat || (rate == RASTER_RATE_1X1 && o->t->run))
-        return;
-    o->cell_x = (uint8_t)(raster_cell_shift[rate][0] + sample_shift);
-    o->cell_y = (uint8_t)(raster_cell_shift[rate][1] + sample_shift);
+    if (!o->flat && (o->mean || !o->t->run)) {
+        o->cell_x = raster_cell_shift(o->r, rate, 0);
+        o->cell_y = raster_cell_shift(o->r, rate, 1);
+    }
+    o->wide = 4 - o->cell_y;
+    o->place = places[o->cell_y];
+    o->cell = 0;
+    for (uint32_t y = 0; y < 1u << o->cell_y && !o->flat && (o->mean || o->r->sample_shift); y++)
+        o->cell |= ~(UINT32_MAX >> (1u << o->cell_x)) >> (y << o->wide);
 }
 
 /* That of the region's first surface that waits for blocks; 0: there is none. */
@@ -523,14 +536,19 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
 {
     const uint32_t columns = RASTER_REGIONS(rect->width), x = region % columns << RASTER_REGION_SHIFT,
                    y = region / columns << RASTER_REGION_SHIFT;
+    struct raster_block block;
     struct shading o = {.r = r,
                         .t = t,
+                        .block = &block,
                         .x0 = rect->x,
                         .y0 = rect->y,
                         .width = rect->width,
                         .height = rect->height,
                         .quality = q,
                         .format = raster_value_format(r)};
+    block.shift = RASTER_BLOCK_SHIFT + 1; /* none */
+    block.material = UINT32_MAX;
+    block.scaled = false;
     t->batch.count = 0;
     raster_choose_lights(r, t, q->lights);
     for (o.other = find_slot(&o, x, y); o.other;) {

@@ -6,21 +6,17 @@
 
 #define UNKNOWN_CONTRAST 7
 #define CELL_WORDS       16 /* with 4 samples per pixel */
-#define EACH_BYTE        0x01010101u
-
-_Static_assert(RASTER_SLOTS <= 128, "slots are told apart by seven bits");
 
 /* Removes a slot from words of four slots each; returns how many samples had it. */
 static uint32_t take_slot(uint32_t *word, uint32_t words, uint32_t slot)
 {
     uint32_t others = 0;
     for (uint32_t i = 0; i < words; i++) {
-        /* 128 in a byte that differs: sums of 7 bits */
-        const uint32_t differs = ((word[i] ^ slot * EACH_BYTE) + 127 * EACH_BYTE) & 128 * EACH_BYTE;
+        const uint32_t differs = raster_slots_differ(word[i], slot);
         others += differs >> 7;
         word[i] &= differs - (differs >> 7);
     }
-    return 4 * words - (others * EACH_BYTE >> 24); /* <= 64 */
+    return 4 * words - (others * EACH_SLOT >> 24); /* <= 64 */
 }
 
 static inline void add_cell(struct raster_tile *t, uint32_t region, uint32_t slot, uint32_t samples)
@@ -29,14 +25,6 @@ static inline void add_cell(struct raster_tile *t, uint32_t region, uint32_t slo
     area->pixels += (uint16_t)samples;
     area->cells++;
     t->m.shading.pixels[slot] += (uint16_t)samples;
-}
-
-static inline uint32_t four_slots(const struct raster_surface *s)
-{
-    uint32_t w = raster_slot_of(&s[3]);
-    w = w << 8 | raster_slot_of(&s[2]);
-    w = w << 8 | raster_slot_of(&s[1]);
-    return w << 8 | raster_slot_of(&s[0]);
 }
 
 /* Those of a cell, in words of four. */
@@ -56,15 +44,15 @@ static void count_cell(struct raster_tile *t, const struct raster_surface *s, ui
     uint32_t word[CELL_WORDS], words = 0;
     for (uint32_t y = 0; y < height; y++, s += RASTER_TILE_WIDTH)
         for (uint32_t x = 0; x < width; x += 4)
-            word[words++] = four_slots(s + x) & (width - x < 4 ? (1u << 8 * (width - x)) - 1 : UINT32_MAX);
+            word[words++] = raster_four_slots(s + x) & (width - x < 4 ? ~(UINT32_MAX >> 8 * (width - x)) : UINT32_MAX);
     count_slots(t, word, words, region);
 }
 
 /* One of four by four. */
 static void count_whole_cell(struct raster_tile *t, const struct raster_surface *s, uint32_t region)
 {
-    uint32_t word[4] = {four_slots(s), four_slots(s + RASTER_TILE_WIDTH), four_slots(s + 2 * RASTER_TILE_WIDTH),
-                        four_slots(s + 3 * RASTER_TILE_WIDTH)};
+    uint32_t word[4] = {raster_four_slots(s), raster_four_slots(s + RASTER_TILE_WIDTH),
+                        raster_four_slots(s + 2 * RASTER_TILE_WIDTH), raster_four_slots(s + 3 * RASTER_TILE_WIDTH)};
     const uint32_t first = word[0];
     if ((first ^ (first << 8 | first >> 24)) | (first ^ word[1]) | (first ^ word[2]) | (first ^ word[3]))
         count_slots(t, word, 4, region);
@@ -103,6 +91,7 @@ static void find_classes(const struct raster *r, struct raster_tile *t)
         const uint8_t known = t->memory ? t->memory->contrast[slot->memory] : 0;
         const enum raster_shading k = raster_shading_of(r, slot->material, RASTER_RATE_1X1);
         slot->contrast = known ? known - 1 : UNKNOWN_CONTRAST;
+        slot->class_id = (uint8_t)k; /* until it is known */
         if (low[k] == 255)
             first[k] = (uint8_t)kinds++;
         low[k] = slot->contrast < low[k] ? slot->contrast : low[k];
@@ -112,7 +101,7 @@ static void find_classes(const struct raster *r, struct raster_tile *t)
     s->classes = kinds * each;
     for (uint32_t i = 1; i <= t->slot_count; i++) {
         struct raster_slot *slot = &t->slots[i];
-        const enum raster_shading k = raster_shading_of(r, slot->material, RASTER_RATE_1X1);
+        const uint32_t k = slot->class_id;
         slot->class_id = (uint8_t)(first[k] * each + (slot->contrast - low[k]) * each / (high[k] - low[k] + 1u));
         s->material[slot->class_id] = slot->material;
     }

@@ -18,7 +18,6 @@ static const struct raster_costs costs_cortex_m3 = {
     .light = 3200,
     .region = 119378,
     .flat = 285149,
-    .cell = 384,
     .part = 8653,
     .mixed = 2512,
     .run = 1843,

@@ -18,7 +18,6 @@ static const struct raster_costs costs_cortex_m4 = {
     .light = 3200,
     .region = 117201,
     .flat = 285993,
-    .cell = 337,
     .part = 8442,
     .mixed = 2707,
     .run = 2193,

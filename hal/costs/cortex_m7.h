@@ -18,7 +18,6 @@ static const struct raster_costs costs_cortex_m7 = {
     .light = 3200,
     .region = 121750,
     .flat = 289730,
-    .cell = 255,
     .part = 8481,
     .mixed = 3033,
     .run = 1993,

@@ -142,8 +142,8 @@ static void fit_free(struct fit *f)
 /* --- the table --- */
 
 struct table {
-    double tile, meshlet, vertex, triangle, general, clipped, facing, row, tested, survey, light, region, flat, cell,
-        part, mixed, run, copied, finished;
+    double tile, meshlet, vertex, triangle, general, clipped, facing, row, tested, survey, light, region, flat, part,
+        mixed, run, copied, finished;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -179,7 +179,32 @@ static void fit_drawing(struct table *t, const struct lines *all)
     fit_free(&f);
 }
 
-enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, CELL, PART, MIXED, RUN, COPIED, SHADE_VARIABLES };
+enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, PART, MIXED, RUN, SHADE_VARIABLES };
+
+/* Rate flat, under RASTER_LEAST_LIGHTS point lights: an upper bound of any kind's. */
+static void fit_flat(struct table *t, const struct lines *all)
+{
+    struct fit f = {.variables = KINDS + 2};
+    double most;
+    for (size_t i = 0; i < all->count; i++) {
+        const struct line *l = &all->line[i];
+        double counts[MAX_VARIABLES] = {0};
+        if (!is(l, "point") || l->v[1] != RASTER_RATE_FLAT)
+            continue;
+        counts[(int)l->v[0]] = l->v[2];
+        counts[KINDS] = l->v[7];
+        counts[KINDS + 1] = l->v[5];
+        fit_add(&f, l->ticks, counts);
+    }
+    fit_solve(&f, "flat", &most);
+    for (size_t i = 0; i < f.count; i++)
+        at_least(&f.x[KINDS], f.x[KINDS] + (f.ticks[i] - fit_at(&f, f.counts[i])) / f.counts[i][KINDS]);
+    for (int k = 0; k < KINDS; k++)
+        t->shading[k].flat = f.x[k];
+    t->flat = f.x[KINDS];
+    t->copied = f.x[KINDS + 1];
+    fit_free(&f);
+}
 
 static void shade_counts(double counts[MAX_VARIABLES], const double v[COLUMNS], unsigned directional)
 {
@@ -190,11 +215,14 @@ static void shade_counts(double counts[MAX_VARIABLES], const double v[COLUMNS], 
     own[0] = blocks * directional, own[1] = samples, own[2] = v[3], own[3] = v[4];
     counts[REGION] = blocks;
     counts[rate ? MIXED : RUN] = fmax(parts - floor(pixels / 16), 0);
-    if (rate) {
-        counts[CELL] = blocks * (256 >> rate);
+    if (rate)
         counts[PART] = parts;
-        counts[COPIED] = pixels;
-    }
+}
+
+/* What copying leaves. */
+static double shade_ticks(const struct table *t, const struct line *l)
+{
+    return l->ticks - (l->v[1] ? t->copied * l->v[5] : 0);
 }
 
 static bool is_regular(const struct line *l)
@@ -210,7 +238,7 @@ static void fit_shading(struct table *t, const struct lines *all)
         const struct line *l = &all->line[i];
         if (is_regular(l) && l->v[5] >= LARGE) {
             shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
-            fit_add(&f, l->ticks, counts);
+            fit_add(&f, shade_ticks(t, l), counts);
         }
     }
     double most;
@@ -220,10 +248,9 @@ static void fit_shading(struct table *t, const struct lines *all)
         if (!is_regular(l))
             continue;
         shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
-        at_least(&f.x[REGION], f.x[REGION] + (l->ticks - fit_at(&f, counts)) / l->v[7]);
+        at_least(&f.x[REGION], f.x[REGION] + (shade_ticks(t, l) - fit_at(&f, counts)) / l->v[7]);
     }
-    t->region = f.x[REGION], t->cell = f.x[CELL], t->part = f.x[PART], t->mixed = f.x[MIXED], t->run = f.x[RUN],
-    t->copied = f.x[COPIED];
+    t->region = f.x[REGION], t->part = f.x[PART], t->mixed = f.x[MIXED], t->run = f.x[RUN];
     for (int k = 0; k < KINDS; k++) {
         const double *x = f.x + 4 * k;
         t->shading[k].planes = x[0], t->shading[k].sample = x[1], t->shading[k].lit = x[2], t->shading[k].dark = x[3];
@@ -235,31 +262,8 @@ static void fit_shading(struct table *t, const struct lines *all)
             continue;
         shade_counts(counts, l->v, 0);
         counts[4 * k + 2] = counts[4 * k + 3] = 0;
-        at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
+        at_least(&t->shading[k].point, (shade_ticks(t, l) - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
     }
-    fit_free(&f);
-}
-
-/* Rate flat, under RASTER_LEAST_LIGHTS point lights: an upper bound of any kind's. */
-static void fit_flat(struct table *t, const struct lines *all)
-{
-    struct fit f = {.variables = KINDS + 1};
-    double most;
-    for (size_t i = 0; i < all->count; i++) {
-        const struct line *l = &all->line[i];
-        double counts[MAX_VARIABLES] = {0};
-        if (!is(l, "point") || l->v[1] != RASTER_RATE_FLAT)
-            continue;
-        counts[(int)l->v[0]] = l->v[2];
-        counts[KINDS] = l->v[7];
-        fit_add(&f, l->ticks - t->copied * l->v[5], counts);
-    }
-    fit_solve(&f, "flat", &most);
-    for (size_t i = 0; i < f.count; i++)
-        at_least(&f.x[KINDS], f.x[KINDS] + (f.ticks[i] - fit_at(&f, f.counts[i])) / f.counts[i][KINDS]);
-    for (int k = 0; k < KINDS; k++)
-        t->shading[k].flat = f.x[k];
-    t->flat = f.x[KINDS];
     fit_free(&f);
 }
 
@@ -330,7 +334,6 @@ static void print_table(const struct table *t, const char *target)
     print_cost("light", t->light);
     print_cost("region", t->region);
     print_cost("flat", t->flat);
-    print_cost("cell", t->cell);
     print_cost("part", t->part);
     print_cost("mixed", t->mixed);
     print_cost("run", t->run);
@@ -353,8 +356,8 @@ int main(int argc, char **argv)
         die(EXIT_USAGE, "usage: calibrate TARGET MEASURED.txt");
     const struct lines all = read_lines(argv[2]);
     fit_drawing(&t, &all);
-    fit_shading(&t, &all);
     fit_flat(&t, &all);
+    fit_shading(&t, &all);
     fit_rest(&t, &all);
     print_table(&t, argv[1]);
     free(all.line);

@@ -228,28 +228,30 @@ static void normals_of_eight_surfaces_give_the_same_bits(void **state)
     for (unsigned i = 0; i < 200000; i++) {
         struct raster_surface s[8];
         struct raster_batch_pixel p[8];
-        int32_t frame[9], view[3];
+        int32_t axis[3], view[3];
         struct raster_plane plane[3];
         const unsigned shift = random32() % 11;
+        struct raster_slot slot = {.normal_shift = (uint8_t)shift};
         const uint32_t at = random32() % 9 | random32() % 16 << 8;
         for (int j = 0; j < 8; j++) {
             int32_t d = (int32_t)(any_size(14) << shift) + DEPTH_BIAS + between(0, 1 << shift >> 1);
             s[j].depth_slot = (uint32_t)(d < 1 << 24 ? d : (1 << 24) - 1) << 8 | (random32() & 255);
             s[j].normal = word((int32_t)any_size(14) * between(-1, 1), (int32_t)any_size(14) * between(-1, 1));
         }
-        for (int j = 0; j < 3; j++)
-            random_vector(frame + 3 * j);
-        for (int j = 0; j < 9; j++)
-            frame[j] = frame[j] / 2 * 32; /* Q19 */
+        for (int j = 0; j < 9; j++) {
+            if (j % 3 == 0)
+                random_vector(axis);
+            slot.frame[j] = (int16_t)(axis[j % 3] / 2);
+        }
         random_vector(view);
         for (int j = 0; j < 3; j++) {
             view[j] = (view[j] - view[j] / 64) * (1 << VIEW_PLANE_BITS);
             plane[j].dx = (uint32_t)between(-30000, 30000);
         }
-        const uint32_t away = raster_gather_wide(p, s, frame, shift, view, plane, at);
+        const uint32_t away = raster_gather_wide(p, s, &slot, view, plane, at);
         for (uint32_t j = 0; j < 8; j++) {
             int32_t nv = 0;
-            struct vec3 n = raster_eye_normal(frame, shift, &s[j]);
+            struct vec3 n = raster_eye_normal(&slot, &s[j]);
             const int32_t c[3] = {n.x, n.y, n.z};
             for (int m = 0; m < 3; m++)
                 nv += c[m] * ((view[m] + (int32_t)(j * plane[m].dx)) >> VIEW_PLANE_BITS);

@@ -139,7 +139,8 @@ static void coarse_rates_keep_every_edge(void **state)
             for (unsigned i = 0; i < PIXELS; i++)
                 for (unsigned c = 0; c < 3; c++)
                     assert_true(abs(full.rgb[i][c] - coarse.rgb[i][c]) <= 2);
-            assert_true(coarse.samples < last);
+            /* with 4 samples per pixel, cells have at most 4 x 4 of them */
+            assert_true(coarse.samples < last || (samples == 4 && rate <= RASTER_RATE_4X4 && coarse.samples == last));
             last = coarse.samples;
         }
     }
