@@ -17,6 +17,7 @@
 #include "gtsim_run.h"
 #include "gtsim_window_draw.h"
 #include "gtsim_window_frame.h"
+#include "gtsim_window_rate.h"
 #include "gtsim_window_view.h"
 #include "host_model.h"
 
@@ -37,6 +38,8 @@
     "  1 to 9        light on or off\n"                                                                                \
     "  l, L          turn all lights by 15 degrees to the right, left\n"                                               \
     "  b, B          smaller, larger budget of ticks per tile; the largest is no limit\n"                              \
+    "  s, S          coarser, finer rate of shading for all surfaces, without a budget:\n"                             \
+    "                1x1, 2x1, 2x2, 4x2, 4x4, flat\n"                                                                  \
     "  c             lays over the picture what each tile took: ticks, rate of shading,\n"                             \
     "                predicted error, nothing; dark blue is 0\n"                                                       \
     "  p             write the picture to the next free gtsim-NNNN.png\n"                                              \
@@ -110,7 +113,9 @@ static void title_show(struct window *w)
     } else {
         fprintf(out, " | %.1f M ticks, dearest tile %.3f M", 1e-6 * f->stats.total.ticks,
                 1e-6 * heatmap_most(f->tiles, f->stats.tile_count, HEATMAP_TICKS));
-        if (f->stats.tile_budget)
+        if (f->stats.tile_budget == RATE_BUDGET)
+            fprintf(out, ", all surfaces at rate %s", rate_name(rate_now()));
+        else if (f->stats.tile_budget)
             fprintf(out, ", budget %.3f M: %u of %u tiles reduced", 1e-6 * f->stats.tile_budget, f->stats.tiles_reduced,
                     f->stats.tile_count);
         fprintf(out, " | %.1f ms, %.0f fps", 1e3 * f->seconds, 1 / f->seconds);
@@ -163,6 +168,9 @@ static void key_of_device(struct window *w, SDL_Keycode key, int by)
     case SDLK_b:
         window_update(w); /* goes by what tiles take now */
         view_budget(&w->view, -by, &w->frame.stats);
+        break;
+    case SDLK_s:
+        view_rate(&w->view, by);
         break;
     case SDLK_l:
         view_turn_lights(&w->view, by * LIGHT_STEP);
@@ -330,6 +338,7 @@ int command_window(int argc, char **argv)
     bus_preload("window", argv);
     struct bus *b = bus_create(&w.bus);
     w.view.device = w.frame.device = bus_device(b, 0);
+    rate_install(w.view.device);
     device_load(w.view.device, &w.content);
     frame_init(&w.frame);
     screen_open(&w.screen, w.frame.canvas.width, w.frame.canvas.height, w.zoom);

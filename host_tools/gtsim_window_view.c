@@ -9,6 +9,7 @@
 #include "common.h"
 #include "gtsim_device.h"
 #include "gtsim_window_eye.h"
+#include "gtsim_window_rate.h"
 #include "host_model.h"
 
 #define MAX_EXPOSURE (256.0 * 65536)
@@ -222,7 +223,8 @@ void view_turn_lights(struct view *v, double degrees)
 
 void view_budget(struct view *v, int by, const struct usb_stats *stats)
 {
-    const uint32_t now = shown(v)->tile_budget, mean = stats->tile_count ? stats->total.ticks / stats->tile_count : 0;
+    const uint32_t set_now = shown(v)->tile_budget, now = set_now == RATE_BUDGET ? 0 : set_now,
+                   mean = stats->tile_count ? stats->total.ticks / stats->tile_count : 0;
     if (!shown(v)->has_scene || (by > 0 && !now))
         return;
     uint32_t next = by < 0 ? (now ? now : mean) / 5 * 4 : stats->tiles_reduced ? now / 4 * 5 : 0;
@@ -232,6 +234,16 @@ void view_budget(struct view *v, int by, const struct usb_stats *stats)
         next = h.detail;
     if (h.status != USB_OK)
         set(v, USB_SET_BUDGET, &next, sizeof next, "budget");
+}
+
+void view_rate(struct view *v, int by)
+{
+    const int now = shown(v)->tile_budget == RATE_BUDGET ? (int)rate_now() : RASTER_RATE_1X1, next = now + by;
+    if (!shown(v)->has_scene || next < 0 || next >= RASTER_RATE_COUNT)
+        return;
+    const uint32_t budget = next == RASTER_RATE_1X1 ? 0 : RATE_BUDGET;
+    rate_set((enum raster_rate)next);
+    set(v, USB_SET_BUDGET, &budget, sizeof budget, "budget");
 }
 
 void view_reset(struct view *v)

@@ -34,6 +34,8 @@ void view_turn_lights(struct view *v, double degrees);
 /* A fifth less of the ticks that a tile gets on average, or a fourth more. In: those that tiles take now. From no limit, less is less than they take; so much that
  * it limits nothing becomes no limit, and less than the scene needs becomes what it needs. */
 void view_budget(struct view *v, int by, const struct usb_stats *stats);
+/* The next coarser rate of shading for all surfaces, or the next finer one; full quality is one without a budget. */
+void view_rate(struct view *v, int by);
 void view_reset(struct view *v);
 
 /* The state in a line, malloc'd: "2 gold: measured, slot 2 | exposure 1.00 | lights 1 2 3". */

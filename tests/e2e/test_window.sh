@@ -182,6 +182,14 @@ budget() { # what b sets is what the host reads, down to the least; B takes it b
         press $(yes B | head -20) && title 'M ticks, dearest tile [0-9.]+ M \|' && shows plain
 }
 check b_sets_a_budget budget
+rate() { # every tile with a surface is at the rate that s asks for; a budget set meanwhile counts
+    press r s s s && title ', all surfaces at rate 4x2 \|' && picture coarse && differ coarse plain && inside 'gtusb frame -o "$work/usb.png" && gtusb stats --json --tiles >"$work/stats.json"' &&
+        same usb coarse || return 1
+    node -e "const t = JSON.parse(require('fs').readFileSync('$work/stats.json')).tiles.filter(t => t.covered);
+        process.exit(t.length < 20 || t.some(t => t.rate !== 3) ? 1 : 0)" || { head -c 600 "$work/stats.json"; return 1; }
+    press s s s s && title 'rate flat' && picture flat && differ flat coarse && press S S && shows coarse && press b && title 'budget [0-9.]+ M: ' && press s && title 'rate 2x1' && press S && shows plain
+}
+check s_shades_all_surfaces_at_one_rate rate
 
 # --- the program's side ---
 live_push() { # while the window goes on
