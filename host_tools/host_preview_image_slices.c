@@ -80,17 +80,18 @@ static void panel(struct gnuplot *g, int number, int panels, const char *title, 
     fputc('\n', g->to);
 }
 
+/* Where measured; both weighted with n.v, or the horizon, where a BRDF may be anything, would be all. */
 static double relative_error(const struct slice *a, const struct slice *b)
 {
-    double difference = 0, whole = 0;
-    for (int i = 0; i < SIDE * SIDE; i++)
-        for (int c = 0; c < 3; c++) {
-            double x = a->rgb[i / SIDE][i % SIDE][c], y = b->rgb[i / SIDE][i % SIDE][c];
-            if (a->mark[i / SIDE][i % SIDE] == MEASUREMENT_EXTRAPOLATED)
-                continue;
+    double difference = 0, whole = 0, l[3], v[3];
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        directions(l, v, i / SIDE, i % SIDE);
+        for (int c = 0; c < 3 && a->mark[i / SIDE][i % SIDE] != MEASUREMENT_EXTRAPOLATED; c++) {
+            double x = v[2] * a->rgb[i / SIDE][i % SIDE][c], y = v[2] * b->rgb[i / SIDE][i % SIDE][c];
             difference += (x - y) * (x - y);
             whole += y * y;
         }
+    }
     return whole > 0 ? sqrt(difference / whole) : 0;
 }
 
@@ -116,7 +117,7 @@ void preview_image_slices(const struct preview *p, const struct preview *against
     if (against) {
         char title[96];
         panel(&g, 1, panels, against->title, other, NULL, exposure, &marks);
-        snprintf(title, sizeof title, "10 × difference; where measured, RMS %.3g %%", 100 * relative_error(own, other));
+        snprintf(title, sizeof title, "10 × difference; n·v-weighted RMS %.3g %%", 100 * relative_error(own, other));
         panel(&g, 2, panels, title, own, other, 10 * exposure, &marks);
     }
     preview_legend(&g, marks);
