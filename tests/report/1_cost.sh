@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Cezner and Havran 2024, table 1: six models, six materials, three directional lights; measured against Lafortune-Phong.
 . tests/report/common.sh
-sizes=(320x240 1280x720 3840x2160) repeats=5
+sizes=(320x240 1280x720 3840x2160) repeats=3
 [ -z "$QUICK" ] || { sizes=(64x48); repeats=1; }
 materials=(matte_white plastic_red gold plastic_blue_rough copper_satin satin_green)
 declare -A tables=([half_vector]= [specular_frame]=)

@@ -30,14 +30,14 @@ set logscale xy; set xrange [32:2e6]; set xlabel 'bytes per material'; set ylabe
 set xtics ('32' 32, '256' 256, '1 K' 1024, '4 K' 4096, '16 K' 16384, '64 K' 65536, '256 K' 262144, '1 M' 1048576)
 set format y '%g'; set yrange [0.003:100]; set key top right noreverse Right font ',11'
 csv = '$OUT/6_summary.csv'
-name(r) = system("sed 's/^half_vector/half-vector/; s/_/ /g; s/^lafortune phong/Lafortune-Phong/; s/^blinn phong/Blinn-Phong/; s/^ggx/GGX/' <<<'".r."'")
+array name[6] = ['half-vector', 'specular frame', 'specular frame with swap', 'Lafortune-Phong', 'Blinn-Phong', 'GGX']
 array style[6] = [7, 5, 4, 8, 10, 6]
 array colour[6] = [0x08306b, 0xd68910, 0x8a5a00, 0x1e8449, 0xc0392b, 0x7d3c98]
 kinds = 'half_vector specular_frame specular_frame_swap lafortune_phong blinn_phong ggx'
 do for [k = 0:1] {
     set title (k ? '90th percentile of the materials' : 'median of the materials')
     c = 5 + k
-    plot for [i = 1:6] csv skip 1 using (strcol(1) eq word(kinds, i) ? \$3 : NaN):c with linespoints lw 2 pt style[i] ps 0.9 lc rgb colour[i] title name(word(kinds, i))
+    plot for [i = 1:6] csv skip 1 using (strcol(1) eq word(kinds, i) ? \$3 : NaN):c with linespoints lw 2 pt style[i] ps 0.9 lc rgb colour[i] title name[i]
 }
 GNUPLOT
 count=$(wc -l <"$work/all")
