@@ -17,7 +17,8 @@ static bool config_valid(const struct hal *hal, const struct app_config *c)
         return false;
     if (!c->parts || !c->arena || (uintptr_t)c->arena % 8 != 0 || !c->serial)
         return false;
-    if ((!c->costs && (c->budgets || !hal->clock)) || (c->tile_budget && !c->budgets))
+    if ((!c->costs && (c->budgets || !hal->clock)) || (c->tile_budget && !c->budgets) ||
+        ((c->budgets || c->samples == 4) && !c->parts->cells))
         return false;
     size_t n = 0;
     while (n <= USB_MAX_SERIAL_CHARS && c->serial[n])

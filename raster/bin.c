@@ -47,7 +47,7 @@ const char *raster_status_text(enum raster_status s)
 {
     static const char *const text[RASTER_STATUS_COUNT] = {
         "no error",
-        "the picture's width or height is zero or above 4096, 2048 with 4 samples, or samples are not 1 or 4",
+        "the picture is empty or larger than 4096 x 4096, 2048 x 2048 with 4 samples, or its samples are not 1 or 4",
         "the arena is too small for this frame, even at the coarsest levels of detail",
         "a measured material's slot holds no table",
         "more than 65535 runs of meshlets in tiles, even at the coarsest levels of detail",
@@ -382,7 +382,7 @@ static enum raster_status check_frame(struct raster *r, const struct raster_fram
 {
     const unsigned shift = raster_sample_shift(f);
     if (!f->width || !f->height || f->width > RASTER_MAX_WIDTH >> shift || f->height > RASTER_MAX_HEIGHT >> shift ||
-        (f->samples > 1 && f->samples != 4))
+        (f->samples > 1 && (f->samples != 4 || !f->parts->cells)))
         return RASTER_ERR_SIZE;
     for (uint32_t i = 0; i < f->scene->header->objects.count; i++) {
         const struct scene_material *m = &f->materials[f->scene->objects[i].material];

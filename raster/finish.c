@@ -2,8 +2,7 @@
  * The end of a tile: what waits for it is shaded in runs of a row, pixels are packed and stored from the surface's start on. A pixel takes
  * 2 or 3 of the 8 bytes it had, so writing never overtakes reading.
  */
-#include "internal.h"
-#include "quality.h"
+#include "shade.h"
 
 struct output {
     const struct raster *r;
@@ -12,18 +11,6 @@ struct output {
     uint32_t x0, y0;        /* the tile's first pixel */
     uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
 };
-
-static inline void store_pixel(const struct output *o, uint32_t index, uint32_t value)
-{
-    if (o->r->frame.format == RASTER_RGB565) {
-        ((uint16_t *)o->t->surface)[index] = (uint16_t)value;
-    } else {
-        uint8_t *out = (uint8_t *)o->t->surface + 3 * index;
-        out[0] = (uint8_t)value;
-        out[1] = (uint8_t)(value >> 8);
-        out[2] = (uint8_t)(value >> 16);
-    }
-}
 
 /* A run of finished pixels. */
 static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
@@ -35,7 +22,7 @@ static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32
         return;
     }
     for (uint32_t i = 0; i < count; i++)
-        store_pixel(o, y * o->width + x + i, values[i]);
+        raster_store_pixel(o->r, o->t, y * o->width + x + i, values[i]);
 }
 
 /* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
@@ -76,14 +63,14 @@ static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t 
     const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
     const uint32_t width = o->width;
     for (; x < width && row[x].depth_slot && !raster_slot_of(&row[x]); x++, stats->covered++)
-        store_pixel(o, y * width + x, row[x].normal);
+        raster_store_pixel(o->r, o->t, y * width + x, row[x].normal);
     if (o->r->frame.format == RASTER_RGB565) {
         uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
         for (; x < width && !row[x].depth_slot; x++)
             *out++ = (uint16_t)background;
     } else {
         for (; x < width && !row[x].depth_slot; x++)
-            store_pixel(o, y * width + x, background);
+            raster_store_pixel(o->r, o->t, y * width + x, background);
     }
     return x;
 }
@@ -107,31 +94,6 @@ static void finish_rows(const struct output *o, struct raster_stats *stats)
     }
 }
 
-/* Four sums of bytes fit ten bits each. */
-static inline uint32_t spread(uint32_t bgr)
-{
-    return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
-}
-
-/* The mean of each pixel's four samples. */
-static void finish_samples(const struct output *o, struct raster_stats *stats)
-{
-    const uint32_t background = raster_background(&o->r->frame, RASTER_RGB888);
-    for (uint32_t y = 0; y < o->height; y++)
-        for (uint32_t x = 0; x < o->width; x++) {
-            const struct raster_surface *s = &o->t->surface[2 * y * RASTER_TILE_WIDTH + 2 * x];
-            uint32_t sum = 0x00200802u, covered = 0; /* 2 in each, to round */
-            for (int i = 0; i < 4; i++) {
-                const struct raster_surface *sample = s + (i & 1) + (i >> 1) * RASTER_TILE_WIDTH;
-                sum += spread(sample->depth_slot ? sample->normal : background);
-                covered |= sample->depth_slot;
-            }
-            stats->covered += covered != 0;
-            uint32_t bgr = (sum >> 2 & 0xff) | (sum >> 4 & 0xff00) | (sum >> 6 & 0xff0000);
-            store_pixel(o, y * o->width + x, raster_pack(bgr, o->r->frame.format));
-        }
-}
-
 static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
 {
     return (struct output){.r = r,
@@ -149,7 +111,7 @@ void raster_tile_finish(const struct raster *r, struct raster_tile *t, const str
     const struct output o = make_output(r, t, rect);
     raster_remember(t);
     if (r->sample_shift)
-        finish_samples(&o, stats);
+        r->frame.parts->cells->finish(r, t, rect, stats);
     else
         finish_rows(&o, stats);
     if (r->frame.costs)

@@ -9,4 +9,5 @@ const struct raster_parts raster_all_parts = {
     .diffuse_rows = &raster_diffuse_rows,
     .blinn_phong_rows = &raster_blinn_phong_rows,
     .point_lights = &raster_point_lights,
+    .cells = &raster_cells,
 };

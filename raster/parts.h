@@ -10,6 +10,7 @@
 struct raster_model;
 struct raster_rows;
 struct raster_points;
+struct raster_cells;
 
 /* NULL: the program does without. A frame whose materials or lights ask for that is refused, but rows are only a faster way. */
 struct raster_parts {
@@ -19,6 +20,8 @@ struct raster_parts {
      * differ from the models' by their rounding. */
     const struct raster_rows *diffuse_rows, *blinn_phong_rows;
     const struct raster_points *point_lights;
+    /* 4 samples per pixel, and rates of shading, which budgets choose among. */
+    const struct raster_cells *cells;
 };
 
 extern const struct raster_model raster_half_vector_model;
@@ -29,6 +32,7 @@ extern const struct raster_model raster_metallic_roughness_model;
 extern const struct raster_rows raster_diffuse_rows;
 extern const struct raster_rows raster_blinn_phong_rows;
 extern const struct raster_points raster_point_lights;
+extern const struct raster_cells raster_cells;
 
 /* All of them. */
 extern const struct raster_parts raster_all_parts;

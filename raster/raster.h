@@ -39,7 +39,8 @@ enum raster_format {
 
 enum raster_status {
     RASTER_OK = 0,
-    RASTER_ERR_SIZE, /* width or height zero or above RASTER_MAX_*, half of that with 4 samples; samples not 0, 1 or 4 */
+    RASTER_ERR_SIZE, /* width or height zero or above RASTER_MAX_*, half of that with 4 samples; samples not 0, 1 or, with cells among
+                        the parts, 4 */
     RASTER_ERR_ARENA, /* the arena is too small even for the coarsest levels: raster.arena_needed says what they take */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
     RASTER_ERR_LIMIT, /* more than 65535 runs of meshlets in tiles at the coarsest levels */
@@ -65,7 +66,7 @@ struct raster_frame {
     const struct raster_costs *costs; /* what the target takes (quality.h); NULL: it is not counted */
     const struct raster_bounds
         *bounds;                  /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
-    uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs bounds */
+    uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs bounds, and cells among the parts */
     struct raster_memory *memory; /* zero at first; NULL: nothing is remembered. No two threads' tiles may share it */
 };
 
@@ -196,7 +197,7 @@ struct raster_batch {
         };
     };
     uq12_20_t radiance[RASTER_BATCH][3];
-    uint32_t surface[RASTER_BATCH]; /* index into the tile's; in the upper half which of those around it, see shade.c */
+    uint32_t surface[RASTER_BATCH]; /* index into the tile's; in the upper half which of those around it, see cells.c */
     uint32_t count;
     uint32_t material;
 };
@@ -256,7 +257,7 @@ struct raster_tile {
         struct {
             struct raster_survey survey;
             struct raster_light_box box;                   /* what is seen, where there are point lights */
-            uint32_t flat[RASTER_SLOTS];                   /* a slot's finished colour, see shade.c */
+            uint32_t flat[RASTER_SLOTS];                   /* a slot's finished colour, see cells.c */
             uint16_t pixels[RASTER_SLOTS];                 /* that show it */
             uint8_t low[RASTER_SLOTS], high[RASTER_SLOTS]; /* of its green; low above high: nothing is known */
         } shading;

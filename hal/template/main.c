@@ -21,6 +21,7 @@ static struct app app;
 static const struct raster_parts parts = {
     .half_vector = &raster_half_vector_model,
     .lafortune_phong = &raster_lafortune_phong_model,
+    .cells = &raster_cells, /* for budgets */
 };
 
 /* [ ] Large enough for the scenes to come: a frame that needs more is refused, and the reply says how much it takes. */

@@ -126,7 +126,11 @@ static void frame_that_asks_for_a_missing_part_is_refused(void **state)
     o.frame.light_count = 1;
     tables[0] = &half_vector;
     assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_POINT);
+    o.frame.light_count = 0;
+    o.frame.samples = 4;
+    assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_SIZE);
     o.frame.parts = all;
+    o.frame.light_count = 1;
     assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_ARENA);
     free(o.blob);
     ref_blob_free(&b);

@@ -1,0 +1,120 @@
+/*
+ * Shading of a region's surfaces of one material and rate: what shade.c and cells.c share.
+ */
+#ifndef RASTER_SHADE_H
+#define RASTER_SHADE_H
+
+#include "block.h"
+
+/* Surfaces of one material being shaded, and the region they are in. */
+struct shading {
+    const struct raster *r;
+    struct raster_tile *t;
+    uint32_t x0, y0;        /* the tile's first pixel */
+    uint32_t width, height; /* of the tile, pixels */
+    const struct raster_quality *quality;
+    uint32_t material;
+    const struct raster_model *model; /* its */
+    enum raster_rate rate;
+    struct raster_block *block; /* the last one, which may be the next material's or rate's, too */
+    uint32_t other;             /* slot of another material or rate that was met, too; 0: none */
+    uint8_t format;             /* of a finished value */
+    bool mean;                  /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
+    bool flat;                  /* a meshlet has one colour */
+    uint8_t cell_x, cell_y;     /* log2 of a cell's edges, in samples; at most 2 */
+    /* Sixteen samples side by side, cells in a row: `wide` is log2 of their columns. In masks the first is the highest bit. */
+    uint8_t wide;
+    const uint16_t *place; /* of each, from the first on */
+    uint32_t cell;         /* the first one's mask; 0: there are none */
+};
+
+/* What 4 samples per pixel and rates of shading take: samples by cells. */
+struct raster_cells {
+    /* The rate's cells, in samples: none where every pixel is shaded, and has one. */
+    void (*choose)(struct shading *o);
+    /* A block's samples. */
+    void (*gather)(struct shading *o, struct raster_block *k, uint32_t width, uint32_t height,
+                   struct raster_stats *stats);
+    /* A region at rate flat. */
+    void (*flat)(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats);
+    /* The batch's values to where they belong, for the cells chosen. */
+    void (*put)(const struct shading *o, const uint32_t *value);
+    /* Each pixel's four samples become one, the tile's pixels. */
+    void (*finish)(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                   struct raster_stats *stats);
+};
+
+/* shade.c: lights the batch, all of the block's, and puts what it shows. */
+void raster_flush(const struct shading *o, struct raster_block *k, struct raster_stats *stats);
+/*
+ * Interpolation turns normals of visible pixels away from the eye, near silhouettes. Tables and microfacets have no value there, and a
+ * black pixel beside a bright one would flicker with the least movement: the normal is turned back to where n.v is 1/128.
+ */
+struct vec3 raster_face_viewer(struct vec3 n, struct vec3 v, int32_t nv);
+
+/* Towards the eye at pixel (x, y) of a block, as wide as its planes are. */
+static inline void block_view(int32_t view[3], const struct shading *o, const struct raster_block *k, uint32_t x,
+                              uint32_t y)
+{
+    if (k->exact) {
+        const struct vec3 v = raster_view_vector(o->r, o->x0 + k->x + x, o->y0 + k->y + y);
+        view[0] = v.x * (1 << VIEW_PLANE_BITS);
+        view[1] = v.y * (1 << VIEW_PLANE_BITS);
+        view[2] = v.z * (1 << VIEW_PLANE_BITS);
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        view[i] = (int32_t)(k->plane[i].base + x * k->plane[i].dx + y * k->plane[i].dy) + (1 << (VIEW_PLANE_BITS - 1));
+}
+
+/* The batch's next sample: a surface's normal, seen from `view`. */
+__attribute__((always_inline)) static inline void add_sample(struct raster_batch *b, const struct raster_slot *slot,
+                                                             bool facing, const struct raster_surface *s,
+                                                             const int32_t view[3], uint32_t at, uint32_t surface)
+{
+    struct vec3 n = raster_eye_normal(slot, s);
+    const struct vec3 v = {view[0] >> VIEW_PLANE_BITS, view[1] >> VIEW_PLANE_BITS, view[2] >> VIEW_PLANE_BITS};
+    int32_t nv = fx_dot(n, v);
+    if (nv < 1 << 23 && facing) {
+        n = raster_face_viewer(n, v, nv);
+        nv = fx_max(fx_dot(n, v), 1 << 22);
+    }
+    struct raster_batch_pixel *p = &b->pixel[b->count];
+    if (((uint32_t)(n.x + 32768) | (uint32_t)(n.y + 32768) | (uint32_t)(n.z + 32768)) >> 16)
+        n = (struct vec3){fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767), fx_clamp(n.z, -32768, 32767)};
+    p->normal_xy = lanes(n.x, n.y);
+    p->normal_z = n.z;
+    p->nv = nv;
+    p->at = at;
+    b->surface[b->count++] = surface;
+}
+
+static inline bool waits_for_rows(const struct shading *o, const struct raster_slot *slot)
+{
+    return o->r->in_rows[slot->material] && o->quality->rate[slot->class_id] == RASTER_RATE_1X1;
+}
+
+/* Whether a surface is of the material and rate being shaded. Takes note of others. */
+static inline bool is_wanted(struct shading *o, uint32_t slot)
+{
+    if (!slot)
+        return false;
+    const struct raster_slot *info = &o->t->slots[slot];
+    if (info->material == o->material && o->quality->rate[info->class_id] == o->rate)
+        return true;
+    if (!waits_for_rows(o, info))
+        o->other = slot;
+    return false;
+}
+
+/* Where the slot's run from s on ends. */
+static inline const struct raster_surface *run_end(const struct raster_surface *s, const struct raster_surface *end)
+{
+    const uint32_t slot = raster_slot_of(s);
+    do
+        s++;
+    while (s != end && raster_slot_of(s) == slot);
+    return s;
+}
+
+#endif
