@@ -120,10 +120,10 @@ at full rate and finest levels of detail, over pixels that show a model, but for
 
 $(for target in "${targets[@]}" x86-64; do printf '![speed against error, %s](8_%s.svg)\n\n' "$target" "$target"; done)
 
-The ladder, what budgets choose from tile by tile and class by class of surfaces, is all rates of the table that a material has; here of 64 KB:
+The ladder, what budgets choose from tile by tile and class by class of surfaces, is all rates of the table that a material has; here of 64 KB. Stars: on the front.
 
 $(awk -F, -v k=$ladder -v rates="${rates[*]}" '
-    $2 == k { cost[$4, $1] = $5 " (" ($10 ? "" : "not ") "on the front)"; de[$4] = $7; psnr[$4] = $8; worst[$4] = $9; if (!seen[$1]++) name[++n] = $1 }
+    $2 == k { cost[$4, $1] = $5 ($10 ? " \\*" : ""); de[$4] = $7; psnr[$4] = $8; worst[$4] = $9; if (!seen[$1]++) name[++n] = $1 }
     END { line = "rate"; for (i = 1; i <= n; i++) line = line "," name[i]; print line ",mean dE,PSNR dB,largest error"
         m = split(rates, r, " "); for (j = 1; j <= m; j++) { line = r[j]; for (i = 1; i <= n; i++) line = line "," cost[r[j], name[i]]; print line "," de[r[j]] "," psnr[r[j]] "," worst[r[j]] } }' "$csv" | markdown_table)
 
@@ -151,7 +151,7 @@ cheaper still, it counts.
 
 TEXT
     awk -F, '{ sub(/measured_over_lafortune_de03/, "", $5); v[$2, $5] = $6; if (!seen[$2]++) t[++n] = $2 }
-        END { print "target,cheapest,at a budget,at a budget; dE over the whole picture"; for (i = 1; i <= n; i++) print t[i] "," v[t[i], ""] "," v[t[i], "_scheduler"] "," v[t[i], "_scheduler_frame"] }' "$work/de03" | markdown_table
+        END { print "target,cheapest,at a budget,at a budget; dE over the whole picture"; for (i = 1; i <= n; i++) print t[i] "," v[t[i], ""] "," v[t[i], "_scheduler"] "," v[t[i], "_scheduler_frame"] }' <(sort -r "$work/de03") | markdown_table
 })
 
 Numbers: [8_budgets.csv](8_budgets.csv).
