@@ -100,9 +100,10 @@ __attribute__((always_inline)) static inline void run_shade(uq12_20_t *out, cons
     const uint32_t start = (uint32_t)run->z * 52691u >> 16, slope = 1151051235u / (uint32_t)run->z; /* 0.804, 0.268 */
     /* lobe <= 2^-16 where (n.h)^2 / 16 <= 2^-negligible */
     const uint32_t negligible = (run->squarings < MAX_SQUARINGS ? 16u >> run->squarings : 1) + 4;
+    const unsigned normal_shift = run->slot->normal_shift;
     int32_t fine_x = run->fine_x;
     for (const struct raster_surface *s = run->s; s != run->end; s++, out += 3, fine_x += run->step) {
-        struct vec3 n = raster_eye_normal(run->slot, s);
+        struct vec3 n = raster_eye_normal(run->slot->frame, normal_shift, s);
         int32_t rx = fine_x >> VIEW_STEP_BITS;
         int32_t p = (int32_t)ray_length((uint32_t)(rx * rx) + yz, start, slope);
         uint32_t p2 = ((uint32_t)p << 1) + ((uint32_t)p >> (SHRINK_BITS - 1)); /* 2 p / SHRINK */

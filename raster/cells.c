@@ -78,16 +78,16 @@ static inline struct raster_surface mask_mean(const struct shading *o, const str
 /* A slot's samples of sixteen from surface `first` on, a cell at a time; the first cell's middle is at pixel (x0, y) of the block, `row_view`
  * at (0, y). */
 static inline void gather_masked(const struct shading *o, struct raster_block *k, uint32_t first, uint32_t mask,
-                                 uint32_t slot, uint32_t x0, uint32_t y, const int32_t row_view[3],
+                                 uint32_t slot, uint32_t x0, uint32_t y, struct vec3 row_view,
                                  struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
+    const struct raster_slot *info = &o->t->slots[slot];
     const struct raster_surface *s = &o->t->surface[first];
     do {
         const uint32_t i = fx_clz(mask), before = (i & ((1u << o->wide) - 1)) >> o->cell_x << o->cell_x,
                        cell = o->cell >> before, part = mask & cell, x = x0 + (before >> o->r->sample_shift);
         struct raster_surface mean = s[o->place[i]];
-        int32_t view[3];
         mask -= part;
         if (o->mean && part == cell)
             mean = cell_mean(o, &s[before]);
@@ -95,14 +95,9 @@ static inline void gather_masked(const struct shading *o, struct raster_block *k
             mean = mask_mean(o, s, part);
         if (b->count == RASTER_BATCH)
             raster_flush(o, k, stats);
-        if (k->exact) {
-            block_view(view, o, k, x, y);
-        } else {
-            view[0] = row_view[0] + (int32_t)(x * k->plane[0].dx);
-            view[1] = row_view[1] + (int32_t)(x * k->plane[1].dx);
-            view[2] = row_view[2] + (int32_t)(x * k->plane[2].dx);
-        }
-        add_sample(b, &o->t->slots[slot], o->model->facing, &mean, view, x | y << 8, part | (first + o->place[i]));
+        b->surface[b->count] = part | (first + o->place[i]);
+        set_pixel(&b->pixel[b->count++], info->frame, info->normal_shift, o->model->facing, mean,
+                  k->exact ? block_view(o, k, x, y) : view_after(row_view, k, x), x | y << 8);
     } while (mask);
 }
 
@@ -116,8 +111,7 @@ static void gather_cells(struct shading *o, struct raster_block *k, uint32_t wid
                    middle_y = ((1u << o->cell_y) - 1) >> 1;
     for (uint32_t y = k->y << shift; y < below; y += rows) {
         const uint32_t pixel_y = ((y + middle_y) >> shift) - k->y;
-        int32_t view[3];
-        block_view(view, o, k, 0, pixel_y);
+        const struct vec3 view = block_view(o, k, 0, pixel_y);
         for (uint32_t x = left & ~(columns - 1); x < right; x += columns) {
             const uint32_t first = y * RASTER_TILE_WIDTH + x;
             const struct raster_surface *s = &o->t->surface[first];
@@ -162,17 +156,19 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
     const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
                    below = o->height - y0 < edge ? o->height : y0 + edge;
     uint32_t *flat = o->t->m.shading.flat;
-    int32_t view[3];
+    struct raster_batch *b = &o->t->batch;
     struct raster_block *k = o->block;
     raster_block_setup(k, o->r, o->x0, o->y0, x0, y0, 0, false);
-    block_view(view, o, k, 0, 0);
+    const struct vec3 view = block_view(o, k, 0, 0);
     stats->cost += o->r->frame.costs ? o->r->frame.costs->flat : 0;
     for (bool waits = true; waits;) {
         waits = false;
         for (uint32_t y = y0 << shift; y < below << shift; y++) {
             struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + (x0 << shift)];
             for (const struct raster_surface *end = s + ((right - x0) << shift), *first = s; s != end;) {
-                const uint32_t slot = raster_slot_of(s), colour = is_wanted(o, slot) ? flat[slot] : FLAT_SOON;
+                const uint32_t slot = raster_slot_of(s);
+                const struct raster_slot *info = &o->t->slots[slot];
+                const uint32_t colour = is_wanted(o, slot) ? flat[slot] : FLAT_SOON;
                 if (colour & FLAT_KNOWN) {
                     do
                         raster_put_colour(s++, colour & ~FLAT_KNOWN);
@@ -183,10 +179,10 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
                     const uint32_t at = (uint32_t)(s - first) >> shift | ((y >> shift) - y0) << 8;
                     flat[slot] = FLAT_SOON;
                     waits = true;
-                    if (o->t->batch.count == RASTER_BATCH)
+                    if (b->count == RASTER_BATCH)
                         raster_flush(o, k, stats);
-                    add_sample(&o->t->batch, &o->t->slots[slot], o->model->facing, &axis, view, at,
-                               (uint32_t)(s - o->t->surface));
+                    b->surface[b->count] = (uint32_t)(s - o->t->surface);
+                    set_pixel(&b->pixel[b->count++], info->frame, info->normal_shift, o->model->facing, axis, view, at);
                 }
                 s += run_end(s, end) - s;
             }

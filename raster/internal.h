@@ -107,11 +107,10 @@ static inline struct raster_normal raster_decode_normal(const struct raster_surf
 }
 
 /* A surface's normal in eye space, Q15, rounded down: of unit length by construction, whatever its coordinates were interpolated
- * to. */
-static inline struct vec3 raster_eye_normal(const struct raster_slot *slot, const struct raster_surface *s)
+ * to. In: its slot's frame and normal_shift. */
+static inline struct vec3 raster_eye_normal(const int16_t f[9], unsigned shift, const struct raster_surface *s)
 {
-    const int16_t *f = slot->frame;
-    struct raster_normal n = raster_decode_normal(s, slot->normal_shift);
+    struct raster_normal n = raster_decode_normal(s, shift);
     int32_t x = n.u * n.m, y = n.v * n.m, z = n.d * n.m - (1 << 28); /* Q28: <= 2^28.1 */
     return (struct vec3){(int32_t)(((int64_t)f[0] * x + (int64_t)f[1] * y + (int64_t)f[2] * z) >> 27),
                          (int32_t)(((int64_t)f[3] * x + (int64_t)f[4] * y + (int64_t)f[5] * z) >> 27),

@@ -70,57 +70,52 @@ struct vec3 raster_face_viewer(struct vec3 n, struct vec3 v, int32_t nv)
 }
 
 #ifdef RASTER_WIDE
-/* The batch's next pixels, up to eight and to the first that is to be turned to the viewer, from surfaces of one slot side by side; `view`
- * as wide as its planes are. Returns how many: none where there is no room for eight. */
-static uint32_t gather_eight(struct raster_tile *t, const struct raster_block *k, const struct raster_surface *s,
-                             uint32_t count, const int32_t view[3], uint32_t at, bool facing)
+/* As many as eight of a batch's pixels, from p on, to the first that is to be turned to the viewer, from `count` surfaces of one slot side
+ * by side. Returns how many: none where there is no room for eight. */
+static uint32_t set_eight(struct raster_batch_pixel *p, const struct raster_tile *t, const struct raster_block *k,
+                          const struct raster_surface *s, uint32_t count, struct vec3 view, uint32_t at, bool facing)
 {
-    struct raster_batch *b = &t->batch;
-    if (count < 3)
+    const int32_t wide_view[3] = {view.x, view.y, view.z};
+    if (count < 3 || s + 8 > t->surface + RASTER_TILE_PIXELS || p + 8 > t->batch.pixel + RASTER_BATCH)
         return 0;
-    const uint32_t index = (uint32_t)(s - t->surface);
-    if (index + 8 > RASTER_TILE_PIXELS || b->count + 8 > RASTER_BATCH)
-        return 0;
-    const uint32_t away = raster_gather_wide(&b->pixel[b->count], s, &t->slots[raster_slot_of(s)], view, k->plane, at);
+    const uint32_t away = raster_gather_wide(p, s, &t->slots[raster_slot_of(s)], wide_view, k->plane, at);
     count = count < 8 ? count : 8;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++)
         if (facing && away >> 4 * i & 1)
             return i;
-        b->surface[b->count++] = index + i;
-    }
     return count;
 }
 #endif
 
 /* Adds surfaces of one slot side by side to the block's batch, from pixel (x, y) of the block on; more than one only where the block is not
- * exact. */
+ * exact, and no more than a batch has room for. */
 static void gather_run(const struct shading *o, struct raster_block *k, uint32_t x, uint32_t y,
                        const struct raster_surface *s, const struct raster_surface *end, struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
     const struct raster_slot *slot = &o->t->slots[raster_slot_of(s)];
+    const unsigned normal_shift = slot->normal_shift;
     const bool facing = o->model->facing;
-    uint32_t at = x | y << 8;
-    int32_t view[3]; /* Q15 with VIEW_PLANE_BITS more */
-    block_view(view, o, k, x, y);
-    for (uint32_t index = (uint32_t)(s - o->t->surface); s != end; s++, at++, index++) {
-        if (b->count == RASTER_BATCH)
-            raster_flush(o, k, stats);
+    struct vec3 view = block_view(o, k, x, y);
+    if (b->count + (uint32_t)(end - s) > RASTER_BATCH)
+        raster_flush(o, k, stats);
+    for (uint32_t i = 0, count = (uint32_t)(end - s); i < count; i++)
+        b->surface[b->count + i] = (uint32_t)(s - o->t->surface) + i;
+    struct raster_batch_pixel *p = &b->pixel[b->count];
+    b->count += (uint32_t)(end - s);
+    for (uint32_t at = x | y << 8; s != end; s++, p++, at++) {
 #ifdef RASTER_WIDE
-        const uint32_t eight = gather_eight(o->t, k, s, (uint32_t)(end - s), view, at, facing);
+        const uint32_t eight = set_eight(p, o->t, k, s, (uint32_t)(end - s), view, at, facing);
         if (eight) {
-            for (int i = 0; i < 3; i++)
-                view[i] += (int32_t)(eight * k->plane[i].dx);
+            view = view_after(view, k, eight);
             s += eight - 1;
+            p += eight - 1;
             at += eight - 1;
-            index += eight - 1;
             continue;
         }
 #endif
-        add_sample(b, slot, facing, s, view, at, index);
-        view[0] += (int32_t)k->plane[0].dx;
-        view[1] += (int32_t)k->plane[1].dx;
-        view[2] += (int32_t)k->plane[2].dx;
+        set_pixel(p, slot->frame, normal_shift, facing, *s, view, at);
+        view = view_after(view, k, 1);
     }
 }
 

@@ -52,41 +52,45 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
  */
 struct vec3 raster_face_viewer(struct vec3 n, struct vec3 v, int32_t nv);
 
-/* Towards the eye at pixel (x, y) of a block, as wide as its planes are. */
-static inline void block_view(int32_t view[3], const struct shading *o, const struct raster_block *k, uint32_t x,
-                              uint32_t y)
+/* Towards the eye at pixel (x, y) of a block, Q15 with VIEW_PLANE_BITS more. */
+static inline struct vec3 block_view(const struct shading *o, const struct raster_block *k, uint32_t x, uint32_t y)
 {
+    const struct raster_plane *p = k->plane;
+    const uint32_t half = 1u << (VIEW_PLANE_BITS - 1);
     if (k->exact) {
         const struct vec3 v = raster_view_vector(o->r, o->x0 + k->x + x, o->y0 + k->y + y);
-        view[0] = v.x * (1 << VIEW_PLANE_BITS);
-        view[1] = v.y * (1 << VIEW_PLANE_BITS);
-        view[2] = v.z * (1 << VIEW_PLANE_BITS);
-        return;
+        return (struct vec3){v.x * (1 << VIEW_PLANE_BITS), v.y * (1 << VIEW_PLANE_BITS), v.z * (1 << VIEW_PLANE_BITS)};
     }
-    for (int i = 0; i < 3; i++)
-        view[i] = (int32_t)(k->plane[i].base + x * k->plane[i].dx + y * k->plane[i].dy) + (1 << (VIEW_PLANE_BITS - 1));
+    return (struct vec3){(int32_t)(p[0].base + x * p[0].dx + y * p[0].dy + half),
+                         (int32_t)(p[1].base + x * p[1].dx + y * p[1].dy + half),
+                         (int32_t)(p[2].base + x * p[2].dx + y * p[2].dy + half)};
 }
 
-/* The batch's next sample: a surface's normal, seen from `view`. */
-__attribute__((always_inline)) static inline void add_sample(struct raster_batch *b, const struct raster_slot *slot,
-                                                             bool facing, const struct raster_surface *s,
-                                                             const int32_t view[3], uint32_t at, uint32_t surface)
+/* The same so many columns on, where planes hold. */
+static inline struct vec3 view_after(struct vec3 v, const struct raster_block *k, uint32_t columns)
 {
-    struct vec3 n = raster_eye_normal(slot, s);
-    const struct vec3 v = {view[0] >> VIEW_PLANE_BITS, view[1] >> VIEW_PLANE_BITS, view[2] >> VIEW_PLANE_BITS};
+    return (struct vec3){v.x + (int32_t)(columns * k->plane[0].dx), v.y + (int32_t)(columns * k->plane[1].dx),
+                         v.z + (int32_t)(columns * k->plane[2].dx)};
+}
+
+/* A batch's pixel: the normal of a surface of a slot with that frame, seen from `view`. */
+__attribute__((always_inline)) static inline void set_pixel(struct raster_batch_pixel *p, const int16_t frame[9],
+                                                            unsigned normal_shift, bool facing, struct raster_surface s,
+                                                            struct vec3 view, uint32_t at)
+{
+    struct vec3 n = raster_eye_normal(frame, normal_shift, &s);
+    const struct vec3 v = {view.x >> VIEW_PLANE_BITS, view.y >> VIEW_PLANE_BITS, view.z >> VIEW_PLANE_BITS};
     int32_t nv = fx_dot(n, v);
     if (nv < 1 << 23 && facing) {
         n = raster_face_viewer(n, v, nv);
         nv = fx_max(fx_dot(n, v), 1 << 22);
     }
-    struct raster_batch_pixel *p = &b->pixel[b->count];
     if (((uint32_t)(n.x + 32768) | (uint32_t)(n.y + 32768) | (uint32_t)(n.z + 32768)) >> 16)
         n = (struct vec3){fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767), fx_clamp(n.z, -32768, 32767)};
     p->normal_xy = lanes(n.x, n.y);
     p->normal_z = n.z;
     p->nv = nv;
     p->at = at;
-    b->surface[b->count++] = surface;
 }
 
 static inline bool waits_for_rows(const struct shading *o, const struct raster_slot *slot)

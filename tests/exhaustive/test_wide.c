@@ -251,7 +251,7 @@ static void normals_of_eight_surfaces_give_the_same_bits(void **state)
         const uint32_t away = raster_gather_wide(p, s, &slot, view, plane, at);
         for (uint32_t j = 0; j < 8; j++) {
             int32_t nv = 0;
-            struct vec3 n = raster_eye_normal(&slot, &s[j]);
+            struct vec3 n = raster_eye_normal(slot.frame, shift, &s[j]);
             const int32_t c[3] = {n.x, n.y, n.z};
             for (int m = 0; m < 3; m++)
                 nv += c[m] * ((view[m] + (int32_t)(j * plane[m].dx)) >> VIEW_PLANE_BITS);

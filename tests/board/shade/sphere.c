@@ -74,7 +74,7 @@ static struct raster_surface surface_at(int32_t x, int32_t y)
 
 struct vec3 sphere_normal(const struct raster_tile *t, uint32_t index)
 {
-    const struct vec3 n = raster_eye_normal(&t->slots[1], &t->surface[index]);
+    const struct vec3 n = raster_eye_normal(t->slots[1].frame, t->slots[1].normal_shift, &t->surface[index]);
     return (struct vec3){fx_clamp(n.x, -32767, 32767), fx_clamp(n.y, -32767, 32767), fx_clamp(n.z, -32767, 32767)};
 }
 
