@@ -72,13 +72,13 @@ static void plot_plane(FILE *f, const struct check *c)
     }
     fprintf(f,
             "set title 'Plane of incidence (dotted: not measured)'\n"
-            "set xlabel 'theta_{out} in degrees (below 0: the side of the light)'\n"
+            "set xlabel 'θ_{out}, degrees (below 0: the side of the light)'\n"
             "set ylabel 'BRDF, luminance, 1/sr'\nset logscale y\nset format y '10^{%%T}'\nset xrange [-90:90]\n"
             "set yrange [%g:%g]\nset xtics 30\nset key top left\nplot -1 notitle",
             range[1] > 0 ? range[0] / 4 : 0.1, range[1] > 0 ? 4 * range[1] : 1);
     for (size_t i = 0; i < curves; i++)
         fprintf(f,
-                ", $plane%zu using 1:2 with lines lw 1.5 lc rgb '%s' title 'theta_{in} %g°', '' using 1:3 with lines "
+                ", $plane%zu using 1:2 with lines lw 1.5 lc rgb '%s' title 'θ_{in}= %g°', '' using 1:3 with lines "
                 "lw 1.5 dt 3 lc rgb '%s' notitle",
                 i, colours[i % COLOURS], c->slices[curve_slice(c, i, curves)].theta_in, colours[i % COLOURS]);
     fputs("\nunset logscale y\nset format y '%g'\n", f);
@@ -94,7 +94,7 @@ static void plot_albedo(FILE *f, const struct check *c)
                 s->albedo_carried[2], s->albedo[0], s->albedo[1], s->albedo[2]);
     }
     fprintf(f,
-            "E\nset title 'Albedo over the angle of incidence'\nset xlabel 'theta_{in} in degrees'\nset ylabel "
+            "E\nset title 'Albedo over the angle of incidence'\nset xlabel 'θ_{in}, degrees'\nset ylabel "
             "'reflected share'\nset xrange [0:90]\nset yrange [0:%g]\nset key top center horizontal\n"
             "plot 1 with lines dt 2 lc rgb '#888888' title 'all of the light', "
             "$albedo using 1:2 with linespoints pt 7 ps 0.5 lc rgb '#d1495b' title 'R', "
@@ -139,8 +139,8 @@ static void plot_states(FILE *f, const struct check *c)
     const struct check_slice *s = &c->slices[worst];
     states_of(count, s);
     fprintf(f,
-            "set title 'Samples at theta_{in} %g°'\nset xlabel 'phi_{out} in degrees (0: the side of the light)'\n"
-            "set ylabel 'theta_{out} in degrees'\nset xrange [-5:365]\nset yrange [-2:119]\nset xtics 60\nset ytics "
+            "set title 'Samples at θ_{in}= %g°'\nset xlabel 'φ_{out}, degrees (0: the side of the light)'\n"
+            "set ylabel 'θ_{out}, degrees'\nset xrange [-5:365]\nset yrange [-2:119]\nset xtics 60\nset ytics "
             "0,15,90\n"
             "set key inside top center horizontal maxrows 2\n",
             s->theta_in);
