@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.." || exit 1
 . tests/tap.sh
 . tests/targets.sh
 
-echo "1..$(($(wc -w <<<"$TARGETS") * 3 + 2))"
+echo "1..$(($(wc -w <<<"$TARGETS") * 3 + 3))"
 for t in $TARGETS; do
     out=$work/$t problems=
     for folder in lut raster firmware; do
@@ -26,3 +26,9 @@ claim objects_hold_no_mutable_data "$(arm-none-eabi-nm -A "$work"/cortex-m7/*.o 
 problems=$(target_compile cortex-m7 "$work/graph" -fcallgraph-info=su lut/*.c raster/*.c firmware/*.c 2>&1 &&
     awk -f tests/bench/stack.awk "$work"/graph/*.ci)
 claim "no_function_recurses_or_sizes_its_stack_at_run_time" "$problems"
+problems=$(target_product cortex-m7 measured_lafortune "$work/product.o" 2>&1)
+problems+=$(arm-none-eabi-nm --defined-only "$work/product.o" 2>&1 |
+    grep -E ' [tT] .*(specular_frame|lut_eval|lut_half_vector|lut_interpolate|blinn|metallic|diffuse_row|point_light|light_box|cells|survey|bound|budget)')
+named=$(arm-none-eabi-nm --defined-only "$work/product.o" | grep -cE ' T (raster_begin|raster_half_vector_arm|raster_shade_lafortune_phong_loop)$')
+[ "$named" = 3 ] || problems+=" what it does name is missing"
+claim a_product_links_no_part_that_it_does_not_name "$problems"

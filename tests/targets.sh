@@ -65,3 +65,16 @@ target_link() { # target output object...
         $(target_cc "$target") -r -nostdlib -o "$output" "$@"
     fi
 }
+
+# Links a product, a file of tests/bench/products/, as what it refers to: memcpy and the like stay undefined. Puts the product's own code
+# besides lut/, raster/ and budgets into $output.own.
+target_product() { # target product output
+    local target=$1 product=$2 output=$3 sections="-ffunction-sections -fdata-sections" objects
+    objects=$(dirname "$output")/product_objects-$target
+    if [ ! -d "$objects" ]; then
+        target_compile "$target" "$objects" "$sections" lut/*.c raster/*.c firmware/budget*.c || return 1
+    fi
+    target_compile "$target" "$output.objects" "$sections" tests/bench/products/main.c "tests/bench/products/$product.c" &&
+        target_link "$target" "$output.own" "$output.objects"/*.o &&
+        $(target_cc "$target") -r -nostdlib -Wl,--gc-sections,-e,main -o "$output" "$output.own" "$objects"/*.o
+}

@@ -9,13 +9,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 for t in ${@:-cortex-m3 cortex-m7 rv32imac}; do
-    target_compile "$t" "$work/$t" "-ffunction-sections -fdata-sections" lut/*.c raster/*.c firmware/budget*.c
-    target_compile "$t" "$work/$t/products" "-ffunction-sections -fdata-sections" tests/bench/products/*.c
-    main=$work/$t/products/tests_bench_products_main.o
     for product in measured_only measured_lafortune specular_lafortune_blinn everything everything_budgets; do
-        own=$work/$t/products/tests_bench_products_$product.o
-        # What is not referred to goes; memcpy and the like stay undefined.
-        $(target_cc "$t") -r -nostdlib -Wl,--gc-sections,-e,main -o "$work/linked.o" "$main" "$own" "$work/$t"/*.o
-        echo "code,$t,$product,linked,text,$(($(target_text_bytes "$t" "$work/linked.o") - $(target_text_bytes "$t" "$main") - $(target_text_bytes "$t" "$own"))),bytes"
+        linked=$work/$t-$product.o
+        target_product "$t" $product "$linked"
+        echo "code,$t,$product,linked,text,$(($(target_text_bytes "$t" "$linked") - $(target_text_bytes "$t" "$linked.own"))),bytes"
     done
 done
