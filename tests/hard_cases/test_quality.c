@@ -20,13 +20,15 @@ struct shown {
     uint32_t samples, most, likely, cells, tried, passes; /* summed over tiles and their passes */
 };
 
-/* Through the steps, every class at `rate`; checks each survey against the surfaces. */
-static void show(struct shown *out, const struct raster_frame *f, enum raster_rate rate, uint8_t lights)
+/* Through the steps, half of the classes at `rate`, the others at `other`; checks each survey against the surfaces. */
+static void show_mixed(struct shown *out, const struct raster_frame *f, enum raster_rate rate, enum raster_rate other,
+                       uint8_t lights)
 {
     *out = (struct shown){0};
     assert_int_equal(raster_begin(&r, f, arena, sizeof arena), RASTER_OK);
     struct raster_quality q = {.lights = lights};
     memset(q.rate, rate, sizeof q.rate);
+    memset(q.rate + RASTER_CLASSES / 2, other, RASTER_CLASSES / 2);
     for (uint32_t t = 0; t < raster_tile_count(&r); t++) {
         struct raster_rect rect;
         struct raster_stats stats;
@@ -53,7 +55,7 @@ static void show(struct shown *out, const struct raster_frame *f, enum raster_ra
                 raster_tile_shade(&r, &work, &rect, i, &q, &stats);
             if (full)
                 raster_tile_free_slots(&r, &work, &rect, &stats);
-            if (rate != RASTER_RATE_1X1)
+            if (rate == other && rate != RASTER_RATE_1X1)
                 assert_true(stats.samples - before <= most);
             out->most += most;
             out->passes++;
@@ -65,6 +67,11 @@ static void show(struct shown *out, const struct raster_frame *f, enum raster_ra
             memcpy(out->rgb[(rect.y + y) * WIDTH + rect.x], raster_tile_pixels(&work) + 3u * y * rect.width,
                    3u * rect.width);
     }
+}
+
+static void show(struct shown *out, const struct raster_frame *f, enum raster_rate rate, uint8_t lights)
+{
+    show_mixed(out, f, rate, rate, lights);
 }
 
 /* Cubes of two materials in a room. Every triangle is a meshlet, so that tiles run out of slots. */
@@ -144,6 +151,48 @@ static void coarse_rates_keep_every_edge(void **state)
             last = coarse.samples;
         }
     }
+    free(o.blob);
+}
+
+/* Two ways of shading at two rates side by side: every pixel is one of those that there are where all is of one material and rate. */
+static void materials_and_rates_side_by_side_change_no_pixel(void **state)
+{
+    static const uint8_t kinds[] = {SCENE_MATERIAL_LAFORTUNE_PHONG, SCENE_MATERIAL_BLINN_PHONG,
+                                    SCENE_MATERIAL_METALLIC_ROUGHNESS};
+    static struct shown mixed, alone[4];
+    struct opened o;
+    struct scene_material m[3][2];
+    (void)state;
+    open_cubes(&o);
+    struct scene_camera camera = *o.frame.camera;
+    camera.focal = 5 << 16; /* regions are blocks */
+    o.frame.camera = &camera;
+    o.frame.light_count = 4;
+    for (unsigned i = 0; i < 3; i++)
+        set_materials(&o, m[i], kinds[i]);
+    for (unsigned pair = 0; pair < 3; pair++)
+        for (int rate = RASTER_RATE_1X1; rate <= RASTER_RATE_4X4; rate += 2) {
+            const struct scene_material own[2] = {m[pair][0], m[(pair + 1) % 3][1]};
+            unsigned shows[4] = {0};
+            for (unsigned i = 0; i < 4; i++) {
+                const struct scene_material same[2] = {own[i & 1], own[i & 1]};
+                o.frame.materials = same;
+                show(&alone[i], &o.frame, i & 2 ? RASTER_RATE_2X2 : (enum raster_rate)rate, RASTER_ALL_LIGHTS);
+            }
+            o.frame.materials = own;
+            show_mixed(&mixed, &o.frame, (enum raster_rate)rate, RASTER_RATE_2X2, RASTER_ALL_LIGHTS);
+            for (unsigned i = 0; i < PIXELS; i++) {
+                bool known = false;
+                for (unsigned k = 0; k < 4; k++) {
+                    const bool is = !memcmp(mixed.rgb[i], alone[k].rgb[i], 3);
+                    known |= is;
+                    shows[k] += is;
+                }
+                assert_true(known);
+            }
+            for (unsigned k = 0; k < 4; k++)
+                assert_in_range(shows[k], PIXELS / 100, PIXELS - PIXELS / 100);
+        }
     free(o.blob);
 }
 
@@ -278,6 +327,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_at_full_quality_are_the_whole),
         cmocka_unit_test(coarse_rates_keep_every_edge),
+        cmocka_unit_test(materials_and_rates_side_by_side_change_no_pixel),
         cmocka_unit_test(samples_are_what_the_survey_says),
         cmocka_unit_test(weakest_lights_are_left_out),
         cmocka_unit_test(contrast_is_remembered),
