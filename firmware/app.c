@@ -65,6 +65,7 @@ static struct raster_frame frame_of(const struct app *app, uint32_t tile_budget)
         .costs = tile_budget || !app->hal->clock ? app->config.costs : NULL,
         .bounds = budgets && (tile_budget || !app->hal->clock) ? budgets->bounds : NULL,
         .tile_budget = tile_budget,
+        .learnt = app->frame.budget.learnt,
         .memory = tile_budget ? app->config.memory : NULL,
         .width = app->config.width,
         .height = app->config.height,

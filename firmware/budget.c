@@ -3,11 +3,12 @@
 #define ONE      256u /* of ratios */
 #define PRICE(i) (1u << (8 + 4 * (i)))
 
-/* Modelled ticks of deciding, where there is no clock: a tile's share, a class's rates, a region's. */
+/* Ticks of deciding, modelled where there is no clock: a tile's share, a class's rates, a region's. */
 enum { OWN_TILE = 300, OWN_CLASS = 3000, OWN_REGION = 150 };
 
-/* Ticks beyond the least from which on a plan is made. */
-#define PLAN_WORTH 60000u
+/* Ticks beyond the least from which on a plan is made, and rates are chosen in it: more than either takes. */
+#define PLAN_WORTH   60000u
+#define CHOICE_WORTH 40000u
 
 /* A tile being rendered. */
 struct tile {
@@ -44,13 +45,20 @@ static void decided(struct tile *k, uint32_t before, uint32_t model)
     k->report->own += k->b->hal->clock ? elapsed(k) - before : model;
 }
 
-/* Ticks that every tile takes besides drawing its list and shading its samples, roughly. */
-static uint32_t overhead(const struct raster *r, uint32_t tile)
+/* Of sums, 8 fraction bits, 0: nothing was learnt. */
+static uint32_t ratio_of(const struct budget_ratio *k)
 {
-    const struct raster_costs *c = r->frame.costs;
-    const uint32_t shown = r->bounds[tile].shown < RASTER_TILE_PIXELS ? r->bounds[tile].shown : RASTER_TILE_PIXELS;
-    return (c->tile + c->plan + c->survey * RASTER_TILE_PIXELS + c->finished * shown) >>
-           RASTER_COST_BITS; /* 2^22 2^11 */
+    const uint32_t most = (uint32_t)((k->over | k->under) >> 24); /* < 2^56 */
+    const unsigned shift = most ? 32 - fx_clz(most) : 0;
+    const uint32_t over = (uint32_t)(k->over >> shift), under = (uint32_t)(k->under >> shift);
+    return under ? fx_clamp((int32_t)((over << 8) / under), 1, UINT16_MAX) : 0;
+}
+
+/* Half as much as what the next frame will tell. */
+static void forget(struct budget_ratio *k)
+{
+    k->over /= 2;
+    k->under /= 2;
 }
 
 void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean)
@@ -58,16 +66,21 @@ void budget_begin(struct budget *b, const struct hal *hal, const struct raster *
     const uint32_t tiles = raster_tile_count(r);
     b->hal = hal;
     b->mean = mean;
+    b->learnt.lod_bias = (uint8_t)r->lod_bias;
+    forget(&b->drawing_ratio);
+    forget(&b->demand_ratio);
+    for (uint32_t i = 0; i < BUDGET_PRICES; i++)
+        forget(&b->price_ratio[i]);
     b->left = (uint64_t)mean * tiles; /* < 2^50 */
-    b->least = b->drawing = b->demand = b->overhead = b->most_least = 0;
+    b->least = b->drawing = b->demand = b->overhead = 0;
     for (uint32_t t = 0; t < tiles; t++) {
         b->least += r->bounds[t].least;
-        b->most_least = r->bounds[t].least > b->most_least ? r->bounds[t].least : b->most_least;
         b->drawing += r->bounds[t].drawing;
         b->demand += r->bounds[t].demand;
-        b->overhead += overhead(r, t);
+        b->overhead += r->bounds[t].overhead;
     }
     b->lit = b->lit ? b->lit : 192;
+    b->point = b->point ? b->point : 256;
 }
 
 /* The tile is no longer one to come. */
@@ -78,32 +91,28 @@ static void take_out(struct tile *k)
     b->least -= t->least;
     b->drawing -= t->drawing;
     b->demand -= t->demand;
-    b->overhead -= overhead(k->r, k->index);
+    b->overhead -= t->overhead;
     k->limit = b->left > b->least ? fx_sat31(b->left - b->least) : 0;
 }
 
-/* x times a running ratio; `none`, 8 fraction bits, is its value before anything was learnt. In: x < 2^50. */
+/* x times a running ratio; `none`, 8 fraction bits, is its value before anything was learnt. In: x < 2^48. */
 static uint64_t times(uint64_t x, const struct budget_ratio *k, uint32_t none)
 {
-    const uint32_t under = k->under >> 8; /* sums below 2^30 */
-    return (under ? x * (k->over / under) : x * none) >> 8;
+    const uint32_t ratio = ratio_of(k);
+    return x * (ratio ? ratio : none) >> 8;
 }
 
-/* Adds a tile to it, and forgets a sixteenth. */
 static void learn(struct budget_ratio *k, uint32_t over, uint32_t under)
 {
-    const uint32_t most = 1u << 24;
-    over = over < most ? over : most;
-    under = under < over / 16 ? over / 16 : under < most ? under : most; /* a tile by itself is not to be trusted */
-    k->over += over - k->over / 16;
-    k->under += under - k->under / 16;
+    k->over += over;
+    k->under += under < over / 16 ? over / 16 : under; /* a tile by itself is not to be trusted */
 }
 
 /* What a tile has and takes as long as there is nothing to be shaded. */
 static void none_planned(struct tile *k)
 {
     k->report->share = k->r->bounds[k->index].least;
-    k->report->predicted = elapsed(k) + (k->r->frame.costs->tile >> RASTER_COST_BITS);
+    k->report->predicted = elapsed(k) + ((k->r->frame.costs->tile - k->r->frame.costs->clear) >> RASTER_COST_BITS);
 }
 
 /* --- drawing --- */
@@ -117,7 +126,7 @@ static void fall_back(struct tile *k)
     k->any = false;
     none_planned(k);
     raster_tile_restart(k->r, k->index, k->work);
-    k->stats->cost += k->r->frame.costs->tile;
+    k->stats->cost += k->r->frame.costs->clear;
 }
 
 /* Draws until no slot is left (false), or no meshlet is: falls back before what is left would no longer do for that. */
@@ -171,13 +180,14 @@ static void shade_regions(struct tile *k, uint32_t end, uint32_t finish)
     for (uint32_t i = 0; i < p->survey->regions; i++) {
         if (p->flat_cells[i] == p->flat_cells[i + 1])
             continue; /* nothing waits there */
-        const uint32_t before = elapsed(k), after = budget_least_ticks(p, i + 1) + rows + finish;
+        const uint32_t before = elapsed(k), own = OWN_REGION * (p->count + 1);
+        const uint32_t after = budget_least_ticks(p, i + 1) + rows + finish + own * (p->survey->regions - i);
         const uint32_t left = end > before ? end - before : 0;
         struct raster_quality q = p->quality;
         budget_region_fit(&q, p, i, left > after ? left - after : 0);
         rows += budget_rows_ticks(p, i, &q);
         report_region(k, i, &q);
-        decided(k, before, OWN_REGION * (p->count + 1));
+        decided(k, before, own);
         raster_tile_shade(k->r, k->work, k->rect, i, &q, k->stats);
         if (!k->b->hal->clock)
             k->stats->cost += (uint64_t)budget_cells_ticks(p, i, &q) << RASTER_COST_BITS;
@@ -193,8 +203,7 @@ static uint32_t finish_ticks(const struct tile *k)
     uint32_t pixels = p->pixels;
     if (k->stats->meshlets >= RASTER_SLOTS) /* some may have their colour */
         pixels = RASTER_TILE_PIXELS;
-    return (c->finished * pixels >> RASTER_COST_BITS) + (c->tile >> RASTER_COST_BITS) / 2 +
-           1; /* 2^20 2^11; an empty one's half */
+    return ((c->finished * pixels + c->tile - c->clear) >> RASTER_COST_BITS) + 1; /* 2^20 2^11 */
 }
 
 /* What the tiles to come and this one take at a price, or in full: PRICES. The latter's is in *own. */
@@ -215,9 +224,8 @@ static uint64_t need_at(uint32_t *own, struct tile *k, uint32_t full, uint32_t s
 static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t finish)
 {
     struct budget *b = k->b;
-    /* A tile is drawn with what its coarsest levels take in reserve: as if one more had to be paid for. */
-    const uint64_t besides =
-        times(b->drawing, &b->drawing_ratio, ONE) + b->overhead + finish + now + (b->drawing ? b->most_least : 0);
+    const uint64_t besides = times(b->drawing, &b->drawing_ratio, ONE) + b->overhead + finish + now;
+    const uint64_t kept = b->least + k->r->bounds[k->index].keep + finish + now;
     const uint64_t left = b->left > besides ? b->left - besides : 0;
     uint32_t own, own_above;
     uint64_t need, need_above = need_at(&own_above, k, full, BUDGET_PRICES);
@@ -238,7 +246,7 @@ static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t fini
         need_above = need;
         own_above = own;
     }
-    return ticks;
+    return fx_min_u(ticks, b->left > kept ? fx_sat31(b->left - kept) : 0);
 }
 
 /* Without a plan, for which there are no ticks: every region at the last rung. */
@@ -261,6 +269,18 @@ static void shade_flat(struct tile *k, const struct raster_survey *survey)
         raster_tile_shade(k->r, k->work, k->rect, i, &q, k->stats);
 }
 
+/* Shading under point lights took `ticks`, where `expected` were; rises at once, falls slowly, too. */
+static void learn_point(struct budget *b, uint32_t ticks, uint32_t expected)
+{
+    while (expected >> 20)
+        expected >>= 1, ticks >>= 1;
+    if (!expected)
+        return;
+    const uint32_t now = fx_min_u(b->point * fx_min_u((ticks << 8) / expected, 1024) >> 8, 256); /* 2^9 2^10 */
+    b->point = now > b->point ? now : b->point - (b->point - now) / 8;
+    b->point = b->point > 64 ? b->point : 64;
+}
+
 /* Plans and shades what is drawn; `last`: every meshlet is. False: it took too much, the tile is to be drawn again. */
 static bool shade_pass(struct tile *k, bool last)
 {
@@ -269,25 +289,35 @@ static bool shade_pass(struct tile *k, bool last)
     const struct raster_survey *survey = raster_tile_survey(k->r, k->work, k->rect);
     k->stats->cost += (uint64_t)k->r->frame.costs->survey * RASTER_TILE_PIXELS +
                       (uint64_t)k->r->frame.costs->light * k->r->frame.light_count;
-    const uint32_t before = elapsed(k), left = ticks_until(k, k->limit);
+    const uint32_t before = elapsed(k);
     if (k->report->coarse && k->spare < PLAN_WORTH) {
         shade_flat(k, survey);
         return true;
     }
     budget_plan_begin(p, b, k->r, k->work, k->rect, last);
+    decided(k, before, OWN_CLASS);
+    const uint32_t begun = elapsed(k), left = ticks_until(k, k->limit);
     const uint32_t finish = last ? finish_ticks(k) : 0, least = budget_least_ticks(p, 0);
-    const uint32_t own = OWN_CLASS * (p->count + 2) + OWN_REGION * (p->count + 1) * survey->regions;
+    const uint32_t own = OWN_REGION * (p->count + 1) * survey->regions;
     /* What an earlier pass must leave: for the levels wanted as much as it takes to fall back still, then half of what is spare. */
     const uint32_t reserve = last ? 0 : k->r->bounds[k->index].least, need = least + finish + own;
     if (!k->report->coarse && left < need + reserve)
         return false;
     const uint32_t spare = last ? left : k->report->coarse ? need + k->spare / 2 : need + (left - need - reserve) / 2;
-    uint32_t full = 0, end = before + spare;
+    uint32_t full = 0, ticks = least, expected, end = begun + spare;
     for (uint32_t i = 0; i < p->count; i++)
         full = fx_add_sat(full, p->classes[i].ticks[RASTER_RATE_1X1]);
-    uint32_t ticks = grant(k, before + own, full, finish);
+    if (spare > need + CHOICE_WORTH) {
+        const uint32_t granted = grant(k, begun + own + OWN_CLASS * p->count, full, finish);
+        ticks = granted > least ? granted : least;
+        expected = budget_plan_choose(p, b, ticks);
+        decided(k, begun, OWN_CLASS * p->count);
+    } else {
+        expected = budget_plan_flat(p);
+    }
+    k->report->predicted = elapsed(k) + own + finish + expected;
     if (ticks < full && spare > need) { /* as much, and some for surprises */
-        const uint32_t wanted = before + own + finish + (ticks > least ? ticks : least) / 8 * 9;
+        const uint32_t wanted = elapsed(k) + own + finish + ticks / 8 * 9;
         end = wanted < end ? wanted : end;
     }
     if (last) { /* what is kept for the tile is its own, whatever it needs */
@@ -295,10 +325,11 @@ static bool shade_pass(struct tile *k, bool last)
         end = end > kept ? end : kept;
     }
     k->report->share = end;
-    k->report->predicted = before + own + finish + budget_plan_choose(p, b, ticks > least ? ticks : least);
-    decided(k, before, OWN_CLASS * p->count);
+    const uint32_t shading = elapsed(k);
     shade_regions(k, end, finish);
-    const uint32_t used = elapsed(k) - before, more = used > need ? used - need : 0;
+    if (survey->point_lights)
+        learn_point(b, elapsed(k) - shading, expected);
+    const uint32_t used = elapsed(k) - begun, more = used > need ? used - need : 0;
     k->spare -= more < k->spare ? more : k->spare;
     if (!k->report->coarse && last)
         learn(&b->demand_ratio, full, k->r->bounds[k->index].demand);
@@ -353,6 +384,8 @@ void budget_render_tile(struct budget *b, struct budget_report *report, const st
     b->lit = lit_share(b->lit, stats);
     report->spent = elapsed(&k);
     b->left -= report->spent < b->left ? report->spent : 0;
+    b->learnt.drawing = (uint16_t)ratio_of(&b->drawing_ratio);
+    b->learnt.shading = (uint16_t)ratio_of(&b->demand_ratio);
 }
 
 const struct budget_scheduler budget_scheduler = {&raster_tile_bounds, budget_begin, budget_render_tile};

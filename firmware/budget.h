@@ -39,7 +39,7 @@ struct budget_class {
 
 /* What a sample takes at most, 4 fraction bits: where planes hold, where they do not, in rows. */
 struct budget_units {
-    uint32_t planes[RASTER_CLASSES], exact[RASTER_CLASSES], row[RASTER_CLASSES];
+    uint32_t planes[RASTER_CLASSES], exact[RASTER_CLASSES], row[RASTER_CLASSES], row_part[RASTER_CLASSES];
     uint8_t lights; /* under so many */
 };
 
@@ -51,11 +51,11 @@ struct budget_plan {
     uint32_t count, pixels;     /* classes that show; their pixels */
     uint8_t id[RASTER_CLASSES]; /* which; what follows goes by the index into this */
     struct budget_class classes[RASTER_CLASSES];
-    uint64_t materials[RASTER_CLASSES];                         /* bit for each */
-    uint8_t regions[RASTER_CLASSES], irregular[RASTER_CLASSES]; /* in which they show; where planes do not hold */
+    uint64_t materials[RASTER_CLASSES];                       /* bit for each */
+    uint8_t regions[RASTER_CLASSES][RASTER_REGION_SHIFT + 1]; /* in which they show, by raster_region_planes */
     uint32_t first; /* bit for each class: a material is in none before; it is shaded in rows at rate 1x1 */
     uint32_t rows;
-    uint32_t regular;                 /* bit for each region: planes hold in it */
+    uint8_t region_planes[RASTER_MAX_REGIONS];
     uint32_t planes;                  /* of a block under all directional lights, 4 fraction bits */
     struct budget_units units, least; /* under the plan's lights, and under the fewest */
     /* From a region on, at most: at the last rung; flat, but for the meshlets' evaluations, and how many these may be. */
@@ -67,9 +67,9 @@ struct budget_plan {
 /* Prices of a tick, each sixteen times the one before. */
 #define BUDGET_PRICES 6u
 
-/* A running ratio of sums. */
+/* A running ratio of a frame's sums, half of the sums before, and so on. */
 struct budget_ratio {
-    uint32_t over, under;
+    uint64_t over, under;
 };
 
 /* A frame's. What was learnt of the frames before remains: begin the first one with all 0. */
@@ -80,10 +80,11 @@ struct budget {
     /* Of these, as raster_begin's bounds say: what they need for certain, what drawing and shading them at full quality takes, and
      * what comes on top. */
     uint64_t least, drawing, demand, overhead;
-    uint32_t most_least; /* the largest of what one needs for certain */
     /* What it turned out to be over what bounds said; shading at a price over shading in full. */
     struct budget_ratio drawing_ratio, demand_ratio, price_ratio[BUDGET_PRICES];
-    uint32_t lit; /* to be expected, of 256 */
+    uint32_t lit;                /* to be expected, of 256 */
+    uint32_t point;              /* what a point light takes of what it may, to be expected, of 256 */
+    struct raster_learnt learnt; /* for the next frame's raster_begin */
     struct budget_plan plan;
 };
 
@@ -112,6 +113,8 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
 uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region);
 /* Chooses rates and lights that are expected to take at most `ticks`. Returns the ticks expected. */
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks);
+/* The last rung: every class flat. Returns the ticks at most. */
+uint32_t budget_plan_flat(struct budget_plan *p);
 /* Coarsens a region's rates until it takes at most `ticks`, or what it takes at the last rung. */
 void budget_region_fit(struct raster_quality *q, struct budget_plan *p, uint32_t region, uint32_t ticks);
 /* What visiting a region's cells takes, modelled. */

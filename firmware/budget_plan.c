@@ -23,6 +23,12 @@ static uint32_t ticks_of(uint64_t cost)
     return (uint32_t)(cost >> RASTER_COST_BITS) + 1;
 }
 
+/* Of an area's pixels in rows, at rate 1x1. */
+static uint64_t row_cost(const struct budget_units *u, uint32_t i, const struct raster_area *area)
+{
+    return (uint64_t)area->pixels * u->row[i] + area->cells * u->row_part[i];
+}
+
 /* What a class's samples take at most under at most `lights` lights, of each kind as many as there may be among the strongest. */
 static void units_find(struct budget_units *u, const struct budget_plan *p, uint32_t lights)
 {
@@ -37,6 +43,7 @@ static void units_find(struct budget_units *u, const struct budget_plan *p, uint
         u->planes[i] = c->sample + directional * most + points * c->point;
         u->exact[i] = c->sample + (directional + points) * c->point;
         u->row[i] = row->sample + directional * row->lit;
+        u->row_part[i] = row->material;
     }
 }
 
@@ -61,15 +68,15 @@ static uint64_t most_cost(const struct budget_plan *p, const struct budget_units
 {
     const struct raster_area *area = area_of(p, i, region);
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
-        return (uint64_t)area->pixels * u->row[i];
+        return row_cost(u, i, area);
     if (rate == RASTER_RATE_FLAT && u->lights <= RASTER_LEAST_LIGHTS)
         return area_cost(p, area, rate, fx_min_u(area->cells, p->survey->meshlets[p->id[i]]),
                          p->flat_each << RASTER_COST_BITS);
     const uint32_t samples = rate == RASTER_RATE_1X1 && !p->last
                                  ? area->pixels
                                  : raster_samples_most(p->r, p->survey, p->id[i], area, (enum raster_rate)rate);
-    const bool planes = p->regular >> region & 1 && rate != RASTER_RATE_FLAT;
-    return area_cost(p, area, rate, samples, planes ? u->planes[i] : u->exact[i]);
+    return area_cost(p, area, rate, samples,
+                     p->region_planes[region] && rate != RASTER_RATE_FLAT ? u->planes[i] : u->exact[i]);
 }
 
 static uint32_t count_bits(uint64_t x)
@@ -80,16 +87,14 @@ static uint32_t count_bits(uint64_t x)
     return n;
 }
 
-/* A region is gone through once for every material and rate in it: a pass at a rate. Where planes do not hold, for each of its blocks. */
-static uint32_t pass_cost(const struct budget_plan *p, unsigned rate, bool regular)
+/* A region is gone through once for every material and rate in it: a pass at a rate. */
+static uint32_t pass_cost(const struct budget_plan *p, unsigned rate, unsigned planes)
 {
-    static const uint16_t blocks[RASTER_RATE_COUNT] = {256, 64, 64, 16, 16, 1}; /* where planes do not hold: cells */
     const struct raster_costs *c = p->r->frame.costs;
     if (rate == RASTER_RATE_FLAT)
-        return c->flat;
-    if (regular)
-        return c->region + p->planes + BLOCK_COST;
-    return c->region + blocks[rate] * fx_min_u(p->planes + BLOCK_COST, 1u << 22);
+        return c->flat << 2 * p->r->sample_shift;
+    return c->region +
+           raster_region_blocks(p->r, planes, (enum raster_rate)rate) * fx_min_u(p->planes + BLOCK_COST, 1u << 22);
 }
 
 /* Of a class in a region, at most, with passes of its own. */
@@ -99,14 +104,13 @@ static uint64_t alone_cost(const struct budget_plan *p, const struct budget_unit
     const uint64_t cost = most_cost(p, u, i, rate, region);
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
         return cost;
-    return cost + (uint64_t)count_bits(p->materials[i]) * pass_cost(p, rate, p->regular >> region & 1);
+    return cost + (uint64_t)count_bits(p->materials[i]) * pass_cost(p, rate, p->region_planes[region]);
 }
 
 /* Of all classes in a region, at most. */
 static uint64_t region_cost(const struct budget_plan *p, const struct budget_units *u, const struct raster_quality *q,
                             uint32_t region)
 {
-    const bool regular = p->regular >> region & 1;
     uint64_t materials[RASTER_RATE_COUNT] = {0}, sum = 0;
     for (uint32_t i = 0; i < p->count; i++) {
         const unsigned rate = q->rate[p->id[i]];
@@ -118,7 +122,7 @@ static uint64_t region_cost(const struct budget_plan *p, const struct budget_uni
     }
     for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
         if (materials[rate])
-            sum += (uint64_t)count_bits(materials[rate]) * pass_cost(p, rate, regular);
+            sum += (uint64_t)count_bits(materials[rate]) * pass_cost(p, rate, p->region_planes[region]);
     return sum;
 }
 
@@ -127,7 +131,7 @@ uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const s
     uint64_t sum = 0;
     for (uint32_t i = 0; i < p->count; i++)
         if (p->rows >> i & 1 && q->rate[p->id[i]] == RASTER_RATE_1X1)
-            sum += (uint64_t)area_of(p, i, region)->pixels * p->units.row[i];
+            sum += row_cost(&p->units, i, area_of(p, i, region));
     return sum ? ticks_of(sum) : 0;
 }
 
@@ -176,8 +180,9 @@ static void sum_last_rungs(struct budget_plan *p)
             materials |= p->materials[i];
         }
         p->last_rung[region] = p->last_rung[region + 1] + ticks_of(last); /* 2^3 2^28 */
-        p->flat_ticks[region] = p->flat_ticks[region + 1] +
-                                ticks_of((uint64_t)c->copied * pixels + (uint64_t)c->flat * count_bits(materials));
+        p->flat_ticks[region] =
+            p->flat_ticks[region + 1] + ticks_of((uint64_t)c->copied * pixels +
+                                                 (uint64_t)pass_cost(p, RASTER_RATE_FLAT, 0) * count_bits(materials));
         p->flat_cells[region] = p->flat_cells[region + 1] + cells;
     }
 }
@@ -243,8 +248,9 @@ static uint32_t light_error(const struct budget_plan *p, uint32_t lights)
 }
 
 /* What each rate of each class is expected to take under at most `lights` lights, and to err. */
-static void expect(struct budget_plan *p, uint32_t lit, uint32_t lights)
+static void expect(struct budget_plan *p, const struct budget *b, uint32_t lights)
 {
+    const uint32_t lit = b->lit;
     const struct raster_survey *s = p->survey;
     const uint32_t directional = p->r->directional, points = s->point_lights, all = directional + points,
                    n = fx_min_u(lights, all), likely = all ? directional * n / all : 0;
@@ -252,9 +258,12 @@ static void expect(struct budget_plan *p, uint32_t lit, uint32_t lights)
         const struct raster_area *total = &s->total[p->id[i]];
         const struct raster_shading_cost *c = &p->r->frame.costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
         const uint32_t planes = c->sample + (likely * (c->lit * lit + c->dark * (256 - lit)) >> 8) +
-                                (n - likely) * c->point; /* 2^7 2^11 2^8 */
-        const uint32_t exact = c->sample + n * c->point, regions = p->regions[i], irregular = p->irregular[i];
-        const uint32_t unit = (planes * (regions - irregular) + exact * irregular) / regions;
+                                ((n - likely) * c->point * b->point >> 8); /* 2^7 2^11 2^8; 2^7 2^15 2^8 */
+        const uint32_t exact = c->sample + (n * c->point * b->point >> 8);
+        uint32_t regions = 0;
+        for (unsigned k = 0; k <= RASTER_REGION_SHIFT; k++)
+            regions += p->regions[i][k];
+        const uint32_t unit = (planes * (regions - p->regions[i][0]) + exact * p->regions[i][0]) / regions;
         uint32_t samples[RASTER_RATE_COUNT];
         raster_samples_likely(samples, p->r, s, p->id[i], total);
         if (!p->last)
@@ -262,12 +271,12 @@ static void expect(struct budget_plan *p, uint32_t lit, uint32_t lights)
         for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
             uint64_t cost = area_cost(p, total, rate, samples[rate],
                                       rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
-            /* Classes of one material and rate share a pass; where planes do not hold, some blocks are larger than a cell. */
-            if (rate || p->first >> i & 1)
-                cost += (uint64_t)(regions - irregular) * pass_cost(p, rate, true) +
-                        (uint64_t)irregular * pass_cost(p, rate, false) / 2;
+            /* Classes of one material and rate share a pass; some blocks are larger than a region's smallest. */
+            for (unsigned k = 0; k <= RASTER_REGION_SHIFT && (rate || p->first >> i & 1); k++)
+                if (p->regions[i][k])
+                    cost += (uint64_t)p->regions[i][k] * pass_cost(p, rate, k) / (k == RASTER_REGION_SHIFT ? 1 : 2);
             if (!rate && p->rows >> i & 1)
-                cost = (uint64_t)total->pixels * p->units.row[i];
+                cost = row_cost(&p->units, i, total);
             p->classes[i].ticks[rate] = ticks_of(cost);
             p->classes[i].error[rate] = raster_class_error(s, p->id[i], (enum raster_rate)rate);
         }
@@ -292,15 +301,14 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
         p->id[p->count++] = (uint8_t)id;
         p->materials[i] = materials[id];
         p->pixels += s->total[id].pixels;
-        p->regions[i] = p->irregular[i] = 0;
+        __builtin_memset(p->regions[i], 0, sizeof p->regions[i]);
         for (uint32_t region = 0; region < s->regions; region++)
-            if (s->area[id][region].pixels) {
-                p->regions[i]++;
-                p->irregular[i] = (uint8_t)(p->irregular[i] + !(p->regular >> region & 1));
-            }
+            if (s->area[id][region].pixels)
+                p->regions[i][p->region_planes[region]]++;
         const struct raster_shading_cost *k = &c->shading[shading_of(p, i, RASTER_RATE_4X4)];
         planes = k->material > planes ? k->material : planes;
-        flat = k->flat > flat ? k->flat : flat;
+        const uint32_t each = raster_flat_cost(p->r, s->material[id]);
+        flat = each > flat ? each : flat;
         if (p->r->in_rows[s->material[id]])
             p->rows |= 1u << i;
         if (materials[id] & ~seen)
@@ -318,9 +326,12 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
     p->r = r;
     p->survey = s;
     p->last = last;
-    p->regular = 0;
-    for (uint32_t i = 0; i < s->regions; i++)
-        p->regular |= (uint32_t)(raster_region_blocks(r, rect, i, RASTER_RATE_1X1) == 1) << i;
+    for (uint32_t i = 0; i < s->regions; i++) {
+        uint32_t pixels = 0;
+        for (uint32_t c = 0; c < s->classes; c++)
+            pixels |= s->area[c][i].pixels;
+        p->region_planes[i] = pixels ? (uint8_t)raster_region_planes(r, rect, i) : RASTER_REGION_SHIFT;
+    }
     list_classes(p, work);
     units_find(&p->units, p, RASTER_ALL_LIGHTS);
     p->least = p->units;
@@ -329,7 +340,16 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
     else
         p->units.lights = p->least.lights = RASTER_LEAST_LIGHTS;
     sum_last_rungs(p);
-    expect(p, b->lit, RASTER_ALL_LIGHTS);
+    expect(p, b, RASTER_ALL_LIGHTS);
+}
+
+uint32_t budget_plan_flat(struct budget_plan *p)
+{
+    for (uint32_t c = 0; c < RASTER_CLASSES; c++)
+        p->quality.rate[c] = RASTER_RATE_FLAT;
+    p->quality.lights = RASTER_LEAST_LIGHTS;
+    p->units = p->least;
+    return budget_least_ticks(p, 0);
 }
 
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks)
@@ -341,7 +361,7 @@ uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint3
         if (step) {
             if (ladder[step] >= all)
                 continue;
-            expect(p, b->lit, ladder[step]);
+            expect(p, b, ladder[step]);
         }
         uint32_t error = budget_choose(p->classes, p->count, ticks), sum = 0;
         for (uint32_t i = 0; i < p->count; i++)

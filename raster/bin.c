@@ -447,7 +447,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
             store_bins(&b);
         else
             count_bins(&b);
-        const bool too_much = !b.full && r->bounds && f->bounds->too_much(r);
+        const bool too_much = !b.full && r->bounds && f->bounds->too_much(r, b.bias);
         if ((!b.full && !too_much) || b.coarsest || b.bias == MAX_BIAS)
             break;
     }

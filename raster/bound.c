@@ -4,6 +4,8 @@
 
 /* A triangle cut by every plane is a polygon of 8 vertices, a fan of 6. */
 #define FAN (CLIP_MAX_VERTICES - 2)
+/* Sixteenths of what shading takes at full quality: to coarsen levels of detail errs more than to shade for less errs, down to this. */
+#define SENSIBLE 3
 
 static uint32_t cost_ticks(uint64_t cost)
 {
@@ -52,11 +54,13 @@ void raster_extent_setup(struct raster_extent *e, const struct raster *r, const 
     e->pixel_cost = full_cost(r, o->material);
 }
 
-/* Of rows and pixels: in general coordinates they take more; half as much again, as boxes are not filled. */
-static uint64_t fill_cost(const struct raster_costs *c, uint32_t rows, uint32_t tested, bool small)
+/* Of triangles that face the eye, of rows and pixels; `general`: in general.c. */
+static uint64_t fill_cost(const struct raster_costs *c, uint32_t facing, uint32_t rows, uint32_t tested, bool general)
 {
-    const uint64_t cost = (uint64_t)c->row * rows + (uint64_t)c->tested * tested;
-    return small ? cost : cost + cost / 2;
+    const uint64_t cost = (uint64_t)c->facing * facing + (uint64_t)c->row * rows + (uint64_t)c->tested * tested;
+    return !general ? cost
+                    : cost + (uint64_t)c->general_facing * facing + (uint64_t)c->general_row * rows +
+                          (uint64_t)c->general_tested * tested;
 }
 
 void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
@@ -75,22 +79,44 @@ void raster_load_find(struct raster_load *load, const struct raster *r, const st
     const uint32_t rows = cut || sum > all ? all : sum; /* what clipping adds has edges of its own */
     const uint32_t tested = fx_add_sat_u(load->shown, sum), whole = triangles * RASTER_TILE_PIXELS;
     load->tested = tested < whole ? tested : whole;
-    const uint64_t triangle =
-        (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing);
+    const uint64_t triangle = (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped : 0);
     const uint64_t setup = c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles;
     load->setup = cost_ticks(setup);
-    load->ticks = cost_ticks(setup + fill_cost(c, rows, load->tested, small));
+    /* Thin triangles of any meshlet may be filled in general coordinates. */
+    load->ticks = cost_ticks(setup + fill_cost(c, cut ? FAN * triangles : triangles, rows, load->tested, true));
+    load->rows = fx_min_u(half, all);
+    load->triangles = triangles;
 }
 
-/* Rows and pixels of a triangle, at most, on the screen: pixel centres in its box. */
+/* A triangle on the screen: pixel centres are in its box, and it has at most so much area. */
 struct box {
     int32_t x0, y0, x1, y1; /* inclusive */
+    uint32_t area;          /* pixels^2, rounded down */
+    bool general;           /* it may be filled by general.c */
 };
+
+static uint32_t differ(int32_t a, int32_t b)
+{
+    return (uint32_t)(a > b ? a - b : b - a);
+}
+
+/* Whether general.c may fill a triangle of so much area, doubled, in 1/65536 pixel^2: what small.c does not, and a little more. */
+static bool is_general(const struct raster_vertex p[3], uint64_t area)
+{
+    for (int i = 0; i < 3; i++) {
+        const struct raster_vertex *a = &p[i], *b = &p[i < 2 ? i + 1 : 0];
+        const uint32_t dx = differ(a->x, b->x), dy = differ(a->y, b->y), longest = dx > dy ? dx : dy;
+        if (longest > SMALL_EXTENT || differ((int32_t)a->inv_w, (int32_t)b->inv_w) > SMALL_DEPTH ||
+            (uint64_t)longest * 257 > area || differ(a->u, b->u) >= 1 << 13 || differ(a->v, b->v) >= 1 << 13)
+            return true;
+    }
+    return false;
+}
 
 enum facing { AWAY, TOWARDS, CUT };
 
 static enum facing triangle_box(struct box *box, const struct raster *r, const struct raster_object *o,
-                                const struct scene_meshlet *m, const struct scene_triangle *t)
+                                const struct scene_meshlet *m, const struct scene_triangle *t, unsigned normal_shift)
 {
     const struct scene_vertex *vertices = r->frame.scene->vertices + m->vertex_first;
     struct raster_vertex p[3];
@@ -101,10 +127,14 @@ static enum facing triangle_box(struct box *box, const struct raster *r, const s
         const unsigned code = raster_clip_code(o, &c);
         all &= code;
         any |= code;
-        if (!code)
+        if (!code) {
             raster_project(&p[i], o, &c, r->width * 256 + 1, r->height * 256 + 1);
+            p[i].u = (int16_t)raster_homogeneous(c.u, p[i].inv_w, normal_shift);
+            p[i].v = (int16_t)raster_homogeneous(c.v, p[i].inv_w, normal_shift);
+        }
     }
-    *box = (struct box){0, 0, INT16_MAX, INT16_MAX}; /* beyond the picture, too: a tile is drawn whole */
+    *box =
+        (struct box){0, 0, INT16_MAX, INT16_MAX, UINT32_MAX, true}; /* beyond the picture, too: a tile is drawn whole */
     if (any)
         return all ? AWAY : CUT;
     const int64_t area =
@@ -115,6 +145,8 @@ static enum facing triangle_box(struct box *box, const struct raster *r, const s
     box->y0 = (fx_min(p[0].y, fx_min(p[1].y, p[2].y)) + 127) >> 8;
     box->x1 = (fx_max(p[0].x, fx_max(p[1].x, p[2].x)) - 128) >> 8;
     box->y1 = (fx_max(p[0].y, fx_max(p[1].y, p[2].y)) - 128) >> 8;
+    box->area = (uint32_t)(-area >> 17); /* < 2^47 */
+    box->general = is_general(p, (uint64_t)-area);
     return TOWARDS;
 }
 
@@ -124,24 +156,56 @@ static uint32_t overlap(int32_t lo, int32_t hi, int32_t first, int32_t size)
     return (uint32_t)fx_max(fx_min(hi, first + size - 1) - fx_max(lo, first) + 1, 0);
 }
 
-static void bound_triangle(struct raster_tile_bound *b, const struct raster_costs *c, const struct box *box, int32_t x,
-                           int32_t y, bool cut, bool small)
+/* Regions of 2^shift by 2^shift samples that `columns` by `rows` samples from (x, y) of a tile on are in, as bits. */
+static uint32_t regions_of(uint32_t x, uint32_t y, uint32_t columns, uint32_t rows, unsigned shift)
 {
+    const uint32_t across = RASTER_TILE_WIDTH >> shift, last = (x + columns - 1) >> shift;
+    const uint32_t row = (2u << last) - (1u << (x >> shift));
+    uint32_t bits = 0;
+    for (uint32_t i = y >> shift; i <= (y + rows - 1) >> shift; i++)
+        bits |= row << i * across;
+    return bits;
+}
+
+/* A material's regions, each counted once for all objects that follow each other with it. */
+static void bound_passes(struct raster_tile_bound *b, uint32_t material, uint32_t regions)
+{
+    if (b->material != material || !b->passes) {
+        b->material = (uint8_t)material;
+        b->regions = 0;
+    }
+    for (uint32_t more = regions & ~(uint32_t)b->regions; more; more &= more - 1)
+        b->passes++;
+    b->regions |= (uint16_t)regions;
+}
+
+/* What it covers of a tile is convex, as is the hull of the pixel centres in that: of these there are at most area + perimeter/2 + 1, and the
+ * perimeter is at most that of the box of centres. */
+static void bound_triangle(struct raster_tile_bound *b, const struct raster *r, const struct box *box, int32_t x,
+                           int32_t y, uint32_t material, bool cut)
+{
+    const struct raster_costs *c = r->frame.costs;
     const uint32_t columns = overlap(box->x0, box->x1, x, RASTER_TILE_WIDTH);
     const uint32_t rows = columns ? overlap(box->y0, box->y1, y, RASTER_TILE_HEIGHT) : 0;
+    const uint32_t tested = !rows ? 0 : fx_min_u(columns * rows, fx_add_sat_u(box->area, columns + rows - 1));
+    /* A fan's triangles do not overlap. */
     const uint64_t cost =
-        (cut ? c->clipped + (uint64_t)FAN * c->facing : c->facing) +
-        fill_cost(c, cut ? FAN * rows : rows, columns * rows, small); /* a fan's triangles do not overlap */
+        cut ? c->clipped + fill_cost(c, FAN, FAN * rows, tested, true) : fill_cost(c, 1, rows, tested, box->general);
     b->least = fx_add_sat_u(b->least, cost_ticks(cost));
-    b->pixels = fx_add_sat_u(b->pixels, columns * rows);
+    b->pixels = fx_add_sat_u(b->pixels, tested);
+    if (tested)
+        bound_passes(b, material,
+                     regions_of((uint32_t)fx_max(box->x0 - x, 0), (uint32_t)fx_max(box->y0 - y, 0), columns, rows,
+                                RASTER_REGION_SHIFT + r->sample_shift));
 }
 
 void raster_bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
-                         const struct raster_tiles *tiles, bool small)
+                         const struct raster_tiles *tiles, uint32_t flags)
 {
     const struct raster_costs *c = r->frame.costs;
-    const uint32_t ticks = cost_ticks(c->meshlet + (uint64_t)c->vertex * m->vertex_count +
-                                      ((uint64_t)c->triangle + (small ? 0 : c->general)) * m->triangle_count);
+    const uint32_t ticks =
+        cost_ticks(c->meshlet + (uint64_t)c->vertex * m->vertex_count +
+                   ((uint64_t)c->triangle + (flags & VISIBLE_SMALL ? 0 : c->general)) * m->triangle_count);
     for (int32_t y = tiles->y0; y <= tiles->y1; y++)
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
@@ -150,25 +214,30 @@ void raster_bound_coarse(struct raster *r, const struct raster_object *o, const 
         }
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         struct box box;
-        const enum facing facing = triangle_box(&box, r, o, m, &r->frame.scene->triangles[m->triangle_first + i]);
+        const enum facing facing =
+            triangle_box(&box, r, o, m, &r->frame.scene->triangles[m->triangle_first + i], VISIBLE_GET_SHIFT(flags));
         if (facing == AWAY)
             continue;
         for (int32_t y = tiles->y0; y <= tiles->y1; y++)
             for (int32_t x = tiles->x0; x <= tiles->x1; x++)
-                bound_triangle(&r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x], c, &box, x * RASTER_TILE_WIDTH,
-                               y * RASTER_TILE_HEIGHT, facing == CUT, small);
+                bound_triangle(&r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x], r, &box, x * RASTER_TILE_WIDTH,
+                               y * RASTER_TILE_HEIGHT, o->material, facing == CUT);
     }
 }
 
-/* What is drawn takes about half of what it may: triangles that face away, rows and edges that no pixel centre is in. */
+/* Of what may be filled about half is: triangles that face away, rows and edges that no pixel centre is in. */
 void raster_bound_wanted(struct raster *r, const struct raster_load *load, const struct raster_extent *e,
                          const struct raster_tiles *tiles)
 {
     const uint32_t count = (uint32_t)(tiles->x1 - tiles->x0 + 1) * (uint32_t)(tiles->y1 - tiles->y0 + 1);
     const uint32_t whole = count * RASTER_TILE_PIXELS; /* < 2^24 and a tile */
-    const uint32_t shown = (load->shown < whole ? load->shown : whole) / (2 * count);
+    const uint32_t shown = (load->shown < whole ? load->shown : whole) * 3 / (8 * count);
     const uint32_t demand = cost_ticks((uint64_t)shown * e->pixel_cost);
-    const uint32_t drawing = load->setup + (load->ticks - load->setup) / (2 * count);
+    /* Per tile; of a surface that is not culled three quarters of the triangles face the eye, the others' pixels and rows are fewer still */
+    const uint32_t rows = fx_min_u(load->rows / 3, load->triangles * (RASTER_TILE_HEIGHT / 4) * count);
+    const uint32_t drawing = load->setup + cost_ticks(fill_cost(r->frame.costs, load->triangles * 3 / 4, rows,
+                                                                fx_min_u(load->shown / 2, whole), false)) /
+                                               count;
     for (int32_t y = tiles->y0; y <= tiles->y1; y++)
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
@@ -179,12 +248,18 @@ void raster_bound_wanted(struct raster *r, const struct raster_load *load, const
         }
 }
 
+uint32_t raster_flat_cost(const struct raster *r, uint32_t material)
+{
+    const struct raster_shading_cost *c = &r->frame.costs->shading[raster_shading_of(r, material, RASTER_RATE_FLAT)];
+    return fx_min_u(c->flat, c->sample + fx_min_u(r->frame.light_count, RASTER_LEAST_LIGHTS) * c->point);
+}
+
 /* Of one flat meshlet, of any object in view. */
 static uint32_t flat_cost(const struct raster *r)
 {
     uint32_t most = 0;
     for (uint32_t i = 0; i < r->object_count; i++) {
-        const uint32_t c = r->frame.costs->shading[raster_shading_of(r, r->objects[i].material, RASTER_RATE_FLAT)].flat;
+        const uint32_t c = raster_flat_cost(r, r->objects[i].material);
         most = c > most ? c : most;
     }
     return most;
@@ -203,34 +278,69 @@ static uint32_t mean_above(uint64_t sum, uint32_t count)
     return quotient;
 }
 
+/* Of `shown` pixels of surfaces in a tile, how many are in front: 1 - exp(-x) of x tiles full, roughly; 16 fraction bits. */
+static uint32_t seen_part(uint32_t shown)
+{
+    const uint32_t all = RASTER_TILE_PIXELS;
+    return shown < 2 * all ? (all << 17) / (2 * all + shown) : (all << 16) / shown;
+}
+
 uint32_t raster_min_tile_budget(struct raster *r)
 {
     const struct raster_costs *c = r->frame.costs;
     const uint64_t flat = flat_cost(r);
-    const uint64_t pass = (uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * r->frame.light_count +
-                          (uint64_t)c->flat * RASTER_MAX_REGIONS + c->plan;
+    const uint64_t pass = (uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * r->frame.light_count;
+    const uint32_t planes = r->directional * c->shading[RASTER_SHADE_HALF_VECTOR].material;
     const uint32_t tiles = raster_tile_count(r);
     uint64_t sum = 0;
     for (uint32_t t = 0; t < tiles; t++) {
         struct raster_tile_bound *b = &r->bounds[t];
         const uint32_t pixels = b->pixels < RASTER_TILE_PIXELS ? b->pixels : RASTER_TILE_PIXELS;
         const uint64_t passes = (b->meshlets + RASTER_SLOTS - 2) / (RASTER_SLOTS - 1);
-        b->least =
-            fx_add_sat_u(b->least, cost_ticks(2 * (uint64_t)c->tile + (uint64_t)c->finished * pixels +
-                                              flat * b->meshlets + passes * (pass + (uint64_t)c->copied * pixels)));
-        if (b->shown > RASTER_TILE_PIXELS)
-            b->demand = (uint32_t)((uint64_t)b->demand * (((uint32_t)RASTER_TILE_PIXELS << 16) / b->shown) >> 16);
+        /* Where slots run out, an object may show in the same region before and after. */
+        const uint64_t regions =
+            ((uint64_t)b->passes << 2 * r->sample_shift) + (passes ? (passes - 1) * RASTER_MAX_REGIONS : 0);
+        b->least = fx_add_sat_u(b->least, cost_ticks((uint64_t)c->tile + c->clear + (uint64_t)c->finished * pixels +
+                                                     flat * b->meshlets + regions * c->flat +
+                                                     passes * (pass + (uint64_t)c->copied * pixels)));
+        const uint32_t shown = fx_min_u(b->shown, RASTER_TILE_PIXELS);
+        b->overhead = cost_ticks((uint64_t)c->tile + c->plan + (uint64_t)c->survey * RASTER_TILE_PIXELS +
+                                 (uint64_t)c->finished * shown);
+        b->demand = (uint32_t)((uint64_t)b->demand * seen_part(b->shown) >> 16);
+        if (b->shown)
+            b->demand = fx_add_sat_u(b->demand, cost_ticks(b->passes * (uint64_t)(c->region + planes)));
         sum += b->least;
     }
     return mean_above(sum, tiles);
 }
 
-uint64_t raster_bounds_drawing(const struct raster *r)
+/* x times a ratio that was learnt, or a usual one. */
+static uint64_t times_learnt(uint64_t x, uint16_t ratio)
 {
-    uint64_t sum = 0;
-    for (uint32_t t = 0; t < raster_tile_count(r); t++)
-        sum += r->bounds[t].drawing;
-    return sum;
+    return x * (ratio ? ratio : 160) >> 8;
+}
+
+/*
+ * Ticks that the frame needs beyond the sum of `least`, for no tile to fall back: before a tile is drawn, that must suffice beside the later ones'
+ * least for drawing it with its own least in reserve, and for what it takes more than its least and the tiles after it need. To each tile's `keep`:
+ * what the tiles after it, by their index, need so. Shading is counted at the least quality that is worth the levels of detail.
+ */
+static uint32_t find_keeps(struct raster *r)
+{
+    const struct raster_costs *c = r->frame.costs;
+    const uint32_t survey = cost_ticks((uint64_t)c->survey * RASTER_TILE_PIXELS + c->plan);
+    uint32_t need = 0;
+    for (uint32_t t = raster_tile_count(r); t-- > 0;) {
+        struct raster_tile_bound *b = &r->bounds[t];
+        const uint32_t drawing = fx_sat31(times_learnt(b->drawing, r->frame.learnt.drawing)),
+                       shading = fx_sat31(times_learnt(b->demand, r->frame.learnt.shading) * SENSIBLE >> 4);
+        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(drawing, shading), fx_add_sat_u(b->overhead, need));
+        const uint32_t reserve = b->drawing ? fx_add_sat_u(fx_add_sat_u(drawing, b->largest), survey) : 0;
+        b->keep = need;
+        need = takes > b->least ? takes - b->least : 0;
+        need = need > reserve ? need : reserve;
+    }
+    return need;
 }
 
 static void bound_object(struct raster_extent *e, const struct raster *r, const struct raster_object *o)
@@ -245,18 +355,25 @@ static void bound_meshlet(struct raster *r, const struct raster_extent *e, const
     const bool small = flags & VISIBLE_SMALL;
     struct raster_load load;
     if (!e) {
-        raster_bound_coarse(r, o, m, tiles, small);
+        raster_bound_coarse(r, o, m, tiles, flags);
     } else {
         raster_load_find(&load, r, e, o, m, nearest, small, cut);
         raster_bound_wanted(r, &load, e, tiles);
     }
 }
 
-static bool draws_too_much(struct raster *r)
+/* Levels finer than the last frame's have to do with an eighth less, so that they do not change with every frame. */
+static bool takes_too_much(struct raster *r, uint32_t bias)
 {
+    uint64_t budget = (uint64_t)r->frame.tile_budget * raster_tile_count(r), least = 0;
     r->budget_needed = raster_min_tile_budget(r);
-    const uint64_t tiles = raster_tile_count(r), drawing = raster_bounds_drawing(r);
-    return r->frame.tile_budget && drawing + (uint64_t)r->budget_needed * 3 / 4 * tiles > r->frame.tile_budget * tiles;
+    if (!budget)
+        return false;
+    for (uint32_t t = 0; t < raster_tile_count(r); t++)
+        least += r->bounds[t].least;
+    const uint32_t need = find_keeps(r);
+    budget -= bias < r->frame.learnt.lod_bias ? budget / 8 : 0;
+    return budget < least + need;
 }
 
-const struct raster_bounds raster_tile_bounds = {raster_bounds_clear, bound_object, bound_meshlet, draws_too_much};
+const struct raster_bounds raster_tile_bounds = {raster_bounds_clear, bound_object, bound_meshlet, takes_too_much};

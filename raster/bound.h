@@ -30,9 +30,10 @@ struct raster_extent {
 
 /* A meshlet in any one tile. */
 struct raster_load {
-    uint32_t ticks, tested; /* at most */
-    uint32_t setup;         /* of the ticks: before any pixel */
-    uint32_t shown;         /* pixels^2 in all tiles, at most */
+    uint32_t ticks, tested;   /* at most */
+    uint32_t setup;           /* of the ticks: for every triangle */
+    uint32_t triangles, rows; /* in all tiles; the latter of triangles about as wide as high */
+    uint32_t shown;           /* pixels^2 in all tiles, at most */
 };
 
 /* What bin.c calls, of frames that have it. */
@@ -44,9 +45,9 @@ struct raster_bounds {
     void (*meshlet)(struct raster *r, const struct raster_extent *e, const struct raster_object *o,
                     const struct scene_meshlet *m, const struct raster_tiles *tiles, int32_t nearest, uint32_t flags,
                     bool cut);
-    /* All meshlets being known: sets r->budget_needed. Whether drawing is expected to leave less of the frame's budget than the last rung
-     * of shading takes: three quarters of what is needed. */
-    bool (*too_much)(struct raster *r);
+    /* All meshlets being known: sets r->budget_needed. Whether the frame, with levels of detail coarsened `bias` times, is expected to take more
+     * than its budget. */
+    bool (*too_much)(struct raster *r, uint32_t bias);
 };
 
 void raster_bounds_clear(struct raster *r);
@@ -58,16 +59,14 @@ void raster_extent_setup(struct raster_extent *e, const struct raster *r, const 
 void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
                       const struct raster_object *o, const struct scene_meshlet *m, int32_t nearest, bool small,
                       bool cut);
-/* Adds a meshlet of the coarsest levels to the tiles that it touches. */
+/* Adds a meshlet of the coarsest levels to the tiles that it touches. In: its VISIBLE_* flags. */
 void raster_bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
-                         const struct raster_tiles *tiles, bool small);
+                         const struct raster_tiles *tiles, uint32_t flags);
 /* Adds one of the levels wanted. */
 void raster_bound_wanted(struct raster *r, const struct raster_load *load, const struct raster_extent *e,
                          const struct raster_tiles *tiles);
 /* The least tile_budget that the frame can be given: adds to each tile's `least` what it takes besides drawing, once, and returns the mean,
  * rounded up. */
 uint32_t raster_min_tile_budget(struct raster *r);
-/* Roughly what drawing all tiles takes. */
-uint64_t raster_bounds_drawing(const struct raster *r);
 
 #endif

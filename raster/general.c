@@ -67,47 +67,71 @@ static struct spans triangle_spans(struct raster_tile *t, const struct raster_ve
     return s;
 }
 
-/* n/area in Q29 for 0 <= n <= area: n << lead < 2^64. */
-static inline uint32_t weight(int64_t n, unsigned lead, uint32_t recip)
+/* An attribute's differences b-a and c-a with three fraction bits, |d| <= 2^26. */
+struct slope {
+    int32_t b, c;
+};
+
+static inline struct slope slope_of(int32_t a, int32_t b, int32_t c)
 {
-    uint32_t w = fx_mulhi_u((uint32_t)((uint64_t)n << lead >> 32), recip);
-    return w > 1u << 29 ? 1u << 29 : w;
+    return (struct slope){(b - a) * 8, (c - a) * 8};
 }
 
-/* a + wb (b-a) + wc (c-a), weights Q29, rounded. |differences| <= 2^23. */
-static inline int32_t blend(int32_t a, int32_t db, int32_t dc, uint32_t wb, uint32_t wc)
+/* The sum of differences by weights in Q29, rounded. A weight that rounding takes beyond one is above it by 1, and the other is below 4
+ * then: both together move the sum by less than 2^29, and half is 2^31. */
+static inline uint32_t blend(struct slope d, int32_t wb, int32_t wc)
 {
-    return a + (int32_t)(((int64_t)db * (int32_t)wb + (int64_t)dc * (int32_t)wc + (1 << 28)) >> 29);
+    const uint64_t sum = (uint64_t)((int64_t)d.b * wb + (int64_t)d.c * wc);
+    return (uint32_t)(sum >> 32) + ((uint32_t)sum >> 31);
+}
+
+/* n of a vertex over the area: n/area << (64 - lead) without what is lost beyond, exact modulo 2^64; the high word is what is needed. */
+struct weight {
+    uint64_t n, dx, dy; /* at column 0 of a row; changes per column and row */
+};
+
+/* In: from vertex a to the first row's first pixel centre, the edge opposite from a: n = x dy - y dx. */
+static inline struct weight weight_setup(int32_t x, int32_t y, int32_t dx, int32_t dy, unsigned lead)
+{
+    return (struct weight){(uint64_t)((int64_t)x * dy - (int64_t)y * dx) << lead, (uint64_t)((int64_t)dy * 256) << lead,
+                           (uint64_t)((int64_t)dx * -256) << lead};
 }
 
 void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, const struct raster_vertex *b,
                          const struct raster_vertex *c, uint64_t area, uint32_t slot, struct raster_stats *stats)
 {
-    struct spans s = triangle_spans(t, a, b, c);
+    const struct spans s = triangle_spans(t, a, b, c);
     if (!s.rows)
         return;
-    uint32_t hi = (uint32_t)(area >> 32);
-    unsigned lead = hi ? fx_clz(hi) : 32 + fx_clz((uint32_t)area);
-    uint32_t recip = fx_recip((uint32_t)(area << lead >> 32));
-    int64_t dx1 = b->x - a->x, dy1 = b->y - a->y, dx2 = c->x - a->x, dy2 = c->y - a->y; /* < 2^23 */
-    int32_t db = (int32_t)(b->inv_w - a->inv_w), dc = (int32_t)(c->inv_w - a->inv_w);
-    for (int32_t i = 0; i < s.rows; i++) {
-        int32_t row = s.first_row + i, left = t->m.spans[2 * i], count = t->m.spans[2 * i + 1];
-        int64_t px = 256 * left + 128 - a->x, py = 256 * row + 128 - a->y;
-        int64_t nb = px * dy2 - py * dx2, nc = py * dx1 - px * dy1; /* both >= 0 where covered, sum <= area < 2^47 */
-        struct raster_surface *p = t->surface + row * RASTER_TILE_WIDTH + left;
-        stats->tested += (uint32_t)count;
-        for (struct raster_surface *end = p + count; p != end; p++, nb += 256 * dy2, nc -= 256 * dy1) {
-            uint32_t wb = weight(nb, lead, recip), wc = weight(nc, lead, recip);
-            uint32_t inv_w = (uint32_t)blend((int32_t)a->inv_w, db, dc, wb, wc);
-            uint32_t key = (inv_w + DEPTH_BIAS) << 8 | slot;
+    const uint32_t hi = (uint32_t)(area >> 32);
+    const unsigned lead = hi ? fx_clz(hi) : 32 + fx_clz((uint32_t)area);
+    const uint32_t recip = fx_recip((uint32_t)(area << lead >> 32));
+    const int32_t x = 128 - a->x, y = 256 * s.first_row + 128 - a->y;
+    struct weight mb = weight_setup(x, y, c->x - a->x, c->y - a->y, lead); /* >= 0 where covered, sum <= area < 2^47 */
+    struct weight mc = weight_setup(x, y, a->x - b->x, a->y - b->y, lead);
+    const struct slope d = slope_of((int32_t)a->inv_w, (int32_t)b->inv_w, (int32_t)c->inv_w),
+                       u = slope_of(a->u, b->u, c->u), v = slope_of(a->v, b->v, c->v);
+    const uint32_t key_a = (a->inv_w + DEPTH_BIAS) << 8 | slot, u_a = (uint32_t)a->u, v_a = (uint32_t)a->v;
+    struct raster_surface *line = t->surface + s.first_row * RASTER_TILE_WIDTH;
+    for (const int32_t *span = t->m.spans, *last = span + 2 * s.rows; span != last; span += 2) {
+        const uint32_t left = (uint32_t)span[0], count = (uint32_t)span[1];
+        uint64_t nb = mb.n + left * mb.dx, nc = mc.n + left * mc.dx;
+        stats->tested += count;
+        stats->general += count;
+        for (struct raster_surface *p = line + left, *end = p + count; p != end; p++) {
+            const int32_t wb = (int32_t)fx_mulhi_u((uint32_t)(nb >> 32), recip),
+                          wc = (int32_t)fx_mulhi_u((uint32_t)(nc >> 32), recip);
+            const uint32_t key = key_a + (blend(d, wb, wc) << 8);
+            nb += mb.dx;
+            nc += mc.dx;
             if (p->depth_slot >= key)
                 continue;
-            uint32_t u = (uint32_t)blend(a->u, b->u - a->u, c->u - a->u, wb, wc);
-            uint32_t v = (uint32_t)blend(a->v, b->v - a->v, c->v - a->v, wb, wc);
             p->depth_slot = key;
-            p->normal = (u & 0xffff) | v << 16;
+            p->normal = ((u_a + blend(u, wb, wc)) & 0xffff) | (v_a + blend(v, wb, wc)) << 16;
         }
+        mb.n += mb.dy;
+        mc.n += mc.dy;
+        line += RASTER_TILE_WIDTH;
     }
 }
 

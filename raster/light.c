@@ -6,6 +6,7 @@
 #include "point_light.h"
 
 #define MAX_BLOCK_ANGLE 4 /* 2^-4 radians */
+#define LEAST_TRIED     2 /* log2 of the smallest blocks that raster_region_planes looks for: the largest cells */
 #define LEAST_CROSS     8 /* of |l x v|, in units of the block's angle */
 
 static size_t align8(size_t bytes)
@@ -409,13 +410,12 @@ uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, c
     return model->shade(b, 0, b->count, r, &block->light[place]);
 }
 
-bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift)
+/* Whether the view at a pixel is turned from every light, and from where it goes to, by the angle of so many pixels: 2 step / axis each. */
+static bool is_clear(const struct raster *r, uint32_t x, uint32_t y, uint32_t pixels)
 {
-    const uint32_t half = 1u << shift >> 1;
-    const struct vec3 v = raster_view_vector(r, x + half, y + half);
-    /* The block's angle, 2^shift 2 step / axis, Q15 times axis. */
-    const uint32_t angle = (uint32_t)((uint64_t)r->view.step << (shift + 16) >> VIEW_STEP_BITS);
-    const uint32_t need = angle * LEAST_CROSS / (uint32_t)r->view.axis; /* Q15, at most 2^14 */
+    const struct vec3 v = raster_view_vector(r, x, y);
+    const uint32_t need = (uint32_t)((uint64_t)r->view.step * pixels << 16 >> VIEW_STEP_BITS) /
+                          (uint32_t)r->view.axis; /* Q15, at most 2^14 */
     for (uint32_t i = 0; i < r->directional; i++) {
         const struct vec3 l = r->lights[i].v;
         uint32_t c2, s2;
@@ -425,6 +425,24 @@ bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsign
             return false;
     }
     return true;
+}
+
+bool raster_block_regular(const struct raster *r, uint32_t x, uint32_t y, unsigned shift)
+{
+    const uint32_t half = 1u << shift >> 1;
+    return is_clear(r, x + half, y + half, LEAST_CROSS << shift);
+}
+
+unsigned raster_region_planes(const struct raster *r, const struct raster_rect *rect, uint32_t region)
+{
+    const uint32_t columns = RASTER_REGIONS(rect->width), half = 1u << RASTER_REGION_SHIFT >> 1;
+    const uint32_t x = rect->x + (region % columns << RASTER_REGION_SHIFT) + half,
+                   y = rect->y + (region / columns << RASTER_REGION_SHIFT) + half;
+    for (unsigned shift = r->block_shift; shift >= LEAST_TRIED;
+         shift--) /* a block is amid less than 3/4 of an edge away */
+        if (is_clear(r, x, y, (LEAST_CROSS << shift) + (shift == RASTER_REGION_SHIFT ? 0 : 12)))
+            return shift;
+    return 0;
 }
 
 void raster_block_setup(struct raster_block *out, const struct raster *r, uint32_t x0, uint32_t y0, uint32_t x,

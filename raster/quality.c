@@ -93,13 +93,10 @@ void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct ras
     samples[RASTER_RATE_FLAT] = fx_min_u(a->cells, s->meshlets[class_id]);
 }
 
-uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,
-                              enum raster_rate rate)
+uint32_t raster_region_blocks(const struct raster *r, unsigned planes, enum raster_rate rate)
 {
-    const uint32_t columns = RASTER_REGIONS(rect->width), x = region % columns << RASTER_REGION_SHIFT,
-                   y = region / columns << RASTER_REGION_SHIFT;
-    if (rate == RASTER_RATE_FLAT || (r->block_shift == RASTER_REGION_SHIFT &&
-                                     raster_block_regular(r, rect->x + x, rect->y + y, RASTER_REGION_SHIFT)))
+    if (rate == RASTER_RATE_FLAT)
         return 1;
-    return 1u << 2 * (RASTER_REGION_SHIFT + r->sample_shift - raster_cell_shift(r, rate, 0));
+    const unsigned cell = raster_cell_shift(r, rate, 0) - r->sample_shift; /* the larger; pixels */
+    return 1u << 2 * (RASTER_REGION_SHIFT - (planes > cell ? planes : cell));
 }

@@ -104,6 +104,7 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
 #define RASTER_COST_BITS 4u
 struct raster_costs {
     uint32_t tile;     /* clearing, finishing an empty one */
+    uint32_t clear;    /* of that */
     uint32_t meshlet;  /* set-up */
     uint32_t vertex;   /* transform */
     uint32_t triangle; /* one of a meshlet, facing or not */
@@ -112,18 +113,20 @@ struct raster_costs {
     uint32_t facing;   /* ... in one that faces the eye */
     uint32_t row;      /* of a triangle's pixels */
     uint32_t tested;   /* a pixel whose depth is compared */
-    uint32_t survey;   /* a surface counted */
-    uint32_t light;    /* a light tried in a survey */
-    uint32_t region;   /* gone through, once for each material and rate, with its first block */
-    uint32_t flat;     /* the same at rate flat */
-    uint32_t part;     /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
-    uint32_t mixed;    /* what it takes more beside others */
-    uint32_t run;      /* the same where every pixel is shaded */
-    uint32_t copied;   /* a pixel of a cell or meshlet that is shaded once */
-    uint32_t finished; /* a pixel packed */
-    uint32_t plan;     /* choosing rates after a survey */
+    uint32_t general_facing, general_row,
+        general_tested; /* ... what these take more in a triangle that is large, thin or sharply bent */
+    uint32_t survey;    /* a surface counted */
+    uint32_t light;     /* a light tried in a survey */
+    uint32_t region;    /* gone through, once for each material and rate, with its first block */
+    uint32_t flat;      /* the same at rate flat */
+    uint32_t part;      /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
+    uint32_t mixed;     /* what it takes more beside others */
+    uint32_t run;       /* the same where every pixel is shaded */
+    uint32_t copied;    /* a pixel of a cell or meshlet that is shaded once */
+    uint32_t finished;  /* a pixel packed */
+    uint32_t plan;      /* what is found out after a survey, before rates are chosen */
     struct raster_shading_cost {
-        uint32_t material; /* per region and directional light: planes */
+        uint32_t material; /* per region and directional light: planes; in rows: a meshlet in a cell of 4 x 4 pixels */
         uint32_t sample;   /* gathering, tone curve */
         uint32_t lit;      /* under a directional light that reaches it */
         uint32_t dark;     /* ... that does not */
@@ -135,6 +138,8 @@ struct raster_costs {
 /* For raster_frame.bounds: a program that does without budgets is linked without it. */
 extern const struct raster_bounds raster_tile_bounds;
 
+/* Of a meshlet at rate flat, under at most RASTER_LEAST_LIGHTS of the frame's lights: at most. */
+uint32_t raster_flat_cost(const struct raster *r, uint32_t material);
 /* Samples of a class's area at a rate: at most (at rates 1x1 of one sample per pixel, 4x4 and in areas of whole cells this many); and what is
  * likely, for all rates, without light or colour being known. */
 uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, uint32_t class_id,
@@ -142,8 +147,10 @@ uint32_t raster_samples_most(const struct raster *r, const struct raster_survey 
 void raster_samples_likely(uint32_t samples[RASTER_RATE_COUNT], const struct raster *r, const struct raster_survey *s,
                            uint32_t class_id, const struct raster_area *a);
 
-/* How many blocks, with planes of their own, a region is shaded in: 1 but near directions that a light comes from or goes to. */
-uint32_t raster_region_blocks(const struct raster *r, const struct raster_rect *rect, uint32_t region,
-                              enum raster_rate rate);
+/* log2 of the edge of blocks, pixels, over each of which planes hold: a region's at best; 0: for some pixels there are none, near directions that a
+ * light comes from or goes to. And into how many blocks such a region is cut at most at a rate: no smaller than its cells, and exact where planes
+ * do not hold. */
+unsigned raster_region_planes(const struct raster *r, const struct raster_rect *rect, uint32_t region);
+uint32_t raster_region_blocks(const struct raster *r, unsigned planes, enum raster_rate rate);
 
 #endif

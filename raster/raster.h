@@ -50,6 +50,13 @@ enum raster_status {
     RASTER_STATUS_COUNT
 };
 
+/* What frames before found, for budgets: ratios with 8 fraction bits of what drawing and shading at full quality took to what their bounds
+ * expect (0: not known), and how often the threshold for levels of detail was doubled. */
+struct raster_learnt {
+    uint16_t drawing, shading;
+    uint8_t lod_bias;
+};
+
 /* Everything one frame is made from. Pointers stay owned by the caller and must outlive the frame. */
 struct raster_frame {
     const struct raster_parts *parts;
@@ -67,6 +74,7 @@ struct raster_frame {
     const struct raster_bounds
         *bounds;                  /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
     uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs bounds, and cells among the parts */
+    struct raster_learnt learnt;  /* with a budget; zero at first */
     struct raster_memory *memory; /* zero at first; NULL: nothing is remembered. No two threads' tiles may share it */
 };
 
@@ -79,6 +87,7 @@ struct raster_stats {
     uint32_t meshlets;  /* transformed */
     uint32_t triangles; /* front-facing ones set up */
     uint32_t tested;    /* pixels whose depth was compared */
+    uint32_t general;   /* of these, by what suits triangles of any size and shape */
     uint32_t covered;   /* pixels of the tile that show a surface */
     uint32_t samples;   /* surfaces shaded, each by all lights that may reach it */
     uint32_t tried;     /* pixel-lights: of them, whether the surface faces the light or not */
@@ -96,9 +105,14 @@ struct raster_tile_bound {
     uint32_t largest;  /* drawing one meshlet of its list, at most */
     uint32_t drawing;  /* drawing its list, roughly */
     uint32_t demand;   /* shading it at full quality, roughly */
+    uint32_t overhead; /* all else, roughly */
+    uint32_t keep; /* beyond later tiles' least, for none of them to need its coarsest levels, roughly; with a budget */
     uint32_t shown;    /* pixels, roughly; internal */
     uint32_t pixels;   /* of the coarsest levels: tested, at most */
     uint32_t meshlets; /* likewise: in the list */
+    uint32_t passes;   /* likewise: pairs of a region and a material that may show in it, at most */
+    uint16_t regions;  /* bit for each region counted in passes for a material; internal */
+    uint8_t material;  /* that */
 };
 
 struct raster_light {

@@ -66,11 +66,12 @@ static inline struct vec3 block_view(const struct shading *o, const struct raste
                          (int32_t)(p[2].base + x * p[2].dx + y * p[2].dy + half)};
 }
 
-/* The same so many columns on, where planes hold. */
+/* The same so many columns on, where planes hold; of an exact block, which is not as wide, nothing. */
 static inline struct vec3 view_after(struct vec3 v, const struct raster_block *k, uint32_t columns)
 {
-    return (struct vec3){v.x + (int32_t)(columns * k->plane[0].dx), v.y + (int32_t)(columns * k->plane[1].dx),
-                         v.z + (int32_t)(columns * k->plane[2].dx)};
+    return (struct vec3){(int32_t)((uint32_t)v.x + columns * k->plane[0].dx),
+                         (int32_t)((uint32_t)v.y + columns * k->plane[1].dx),
+                         (int32_t)((uint32_t)v.z + columns * k->plane[2].dx)};
 }
 
 /* A batch's pixel: the normal of a surface of a slot with that frame, seen from `view`. */

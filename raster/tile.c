@@ -73,9 +73,11 @@ static void draw_general(struct raster_tile *t, const struct raster_object *o, c
 }
 
 /* By the counts that there are: clipping is not, rows are taken to be of 16 pixels and the triangle's last. */
-static void charge_meshlet(const struct raster *r, const struct scene_meshlet *m, uint32_t visible, uint32_t drawn,
-                           uint32_t tested, struct raster_stats *stats)
+static void charge_meshlet(const struct raster *r, const struct scene_meshlet *m, uint32_t visible,
+                           const struct raster_stats *before, struct raster_stats *stats)
 {
+    const uint32_t drawn = stats->triangles - before->triangles, tested = stats->tested - before->tested,
+                   general = stats->general - before->general;
     const struct raster_costs *c = r->frame.costs;
     if (!c)
         return;
@@ -83,6 +85,7 @@ static void charge_meshlet(const struct raster *r, const struct scene_meshlet *m
     stats->cost += c->meshlet + m->vertex_count * c->vertex + m->triangle_count * triangle; /* 2^26 */
     stats->cost +=
         (uint64_t)tested * c->tested + (uint64_t)(drawn + tested / 16) * c->row + (uint64_t)drawn * c->facing;
+    stats->cost += (uint64_t)general * c->general_tested + (uint64_t)(general / 16) * c->general_row;
 }
 
 /* In: `visible` as raster_run has it. */
@@ -98,14 +101,14 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     t->slots[slot].memory =
         (uint16_t)((VISIBLE_MESHLET(visible) * 2654435761u + (uint32_t)(o - r->objects) * 1367130551u) >>
                    (32 - RASTER_MEMORY_SHIFT)); /* multiples of the golden section: even */
-    const uint32_t drawn = stats->triangles, tested = stats->tested;
+    const struct raster_stats before = *stats;
     if (visible & VISIBLE_SMALL) {
         raster_transform_small(t->m.small, o, vertex, m->vertex_count, normal_shift, centre_x2 - 256, centre_y2 - 256);
         raster_draw_small(t, t->m.small, triangle, m->triangle_count, slot, stats);
     } else {
         draw_general(t, o, m, vertex, triangle, slot, centre_x2, centre_y2, stats);
     }
-    charge_meshlet(r, m, visible, stats->triangles - drawn, stats->tested - tested, stats);
+    charge_meshlet(r, m, visible, &before, stats);
 }
 
 static void start_run(struct raster_tile *t, const struct raster *r, uint32_t id)

@@ -19,7 +19,8 @@ enum {
     MAX_VARIABLES = 40,
     SWEEPS = 5000,
     LARGE = 250, /* pixels of a tile whose share a fit is about */
-    PLAN = 6000  /* ticks of choosing rates, at most: tests/e2e/test_budget_boards.sh measures fewer */
+    PLAN =
+        27000 /* ticks of what is known before rates are chosen, at most: tests/e2e/test_budget_boards.sh measures fewer */
 };
 
 struct line {
@@ -120,7 +121,7 @@ static double fit_solve(struct fit *f, const char *name, double *most)
         ratio[i] = f->ticks[i] / fit_at(f, f->counts[i]);
     qsort(ratio, f->count, sizeof *ratio, by_size);
     const double p99 = ratio[f->count * 99 / 100];
-    fprintf(stderr, "%-6s %6zu measurements over fit: 1 %% %.3f, median %.3f, 99 %% %.3f, most %.3f\n", name, f->count,
+    fprintf(stderr, "%-7s %6zu measurements over fit: 1 %% %.3f, median %.3f, 99 %% %.3f, most %.3f\n", name, f->count,
             ratio[f->count / 100], ratio[f->count / 2], p99, ratio[f->count - 1]);
     *most = ratio[f->count - 1];
     free(ratio);
@@ -142,8 +143,8 @@ static void fit_free(struct fit *f)
 /* --- the table --- */
 
 struct table {
-    double tile, meshlet, vertex, triangle, general, clipped, facing, row, tested, survey, light, region, flat, part,
-        mixed, run, copied, finished;
+    double tile, clear, meshlet, vertex, triangle, general, clipped, facing, row, tested, general_facing, general_row,
+        general_tested, survey, light, region, flat, part, mixed, run, copied, finished;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -203,6 +204,25 @@ static void fit_flat(struct table *t, const struct lines *all)
         t->shading[k].flat = f.x[k];
     t->flat = f.x[KINDS];
     t->copied = f.x[KINDS + 1];
+    fit_free(&f);
+}
+
+/* More than what other triangles take. */
+static void fit_general(struct table *t, const struct lines *all)
+{
+    struct fit f = {.variables = 3};
+    for (size_t i = 0; i < all->count; i++) {
+        const struct line *l = &all->line[i];
+        if (is(l, "general") && l->v[1])
+            fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){1, l->v[0], l->v[1]});
+    }
+    double most;
+    fit_solve(&f, "general", &most);
+    for (size_t i = 0; i < f.count; i++)
+        at_least(&f.x[0], f.x[0] + f.ticks[i] - fit_at(&f, f.counts[i]));
+    t->general_facing = fmax(f.x[0] - t->facing, 0);
+    t->general_row = fmax(f.x[1] - t->row, 0);
+    t->general_tested = fmax(f.x[2] - t->tested, 0);
     fit_free(&f);
 }
 
@@ -270,7 +290,7 @@ static void fit_shading(struct table *t, const struct lines *all)
 /* Clearing, surveys, packing, and what is shaded in rows. */
 static void fit_rest(struct table *t, const struct lines *all)
 {
-    struct fit f = {.variables = 6};
+    struct fit f = {.variables = 8};
     double clear = 0;
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
@@ -279,23 +299,23 @@ static void fit_rest(struct table *t, const struct lines *all)
             at_least(&clear, v[0]);
             at_least(&t->survey, l->ticks / RASTER_TILE_PIXELS);
         } else if (is(l, "finish")) {
-            double counts[MAX_VARIABLES] = {1, v[0]};
-            if (v[1]) {
-                counts[v[1] == RASTER_SHADE_DIFFUSE_ROW ? 2 : 4] = v[2];
-                counts[v[1] == RASTER_SHADE_DIFFUSE_ROW ? 3 : 5] = v[3];
-            }
+            double counts[MAX_VARIABLES] = {v[4] / RASTER_TILE_PIXELS, v[0]};
+            if (v[1])
+                for (int k = 0; k < 3; k++)
+                    counts[(v[1] == RASTER_SHADE_DIFFUSE_ROW ? 2 : 5) + k] = v[k < 2 ? 2 + k : 5];
             fit_add(&f, l->ticks, counts);
         }
     }
     double most;
     fit_scale(&f, fmax(fit_solve(&f, "finish", &most), 1));
-    f.x[0] = 0;
-    for (size_t i = 0; i < f.count; i++) /* tiles at the picture's edge have less background */
-        at_least(&t->tile, clear + f.ticks[i] - fit_at(&f, f.counts[i]));
+    t->clear = clear;
+    t->tile = clear + f.x[0];
     t->finished = f.x[1];
     for (int k = 0; k < 2; k++) {
-        t->shading[KINDS + k].sample = f.x[2 + 2 * k];
-        t->shading[KINDS + k].lit = t->shading[KINDS + k].dark = f.x[3 + 2 * k];
+        const double *x = f.x + 2 + 3 * k;
+        t->shading[KINDS + k].sample = x[0];
+        t->shading[KINDS + k].lit = t->shading[KINDS + k].dark = x[1];
+        t->shading[KINDS + k].planes = x[2];
     }
     fit_free(&f);
 }
@@ -322,6 +342,7 @@ static void print_table(const struct table *t, const char *target)
     printf("#ifndef HAL_COSTS_%s_H\n#define HAL_COSTS_%s_H\n\n#include \"quality.h\"\n\n", upper, upper);
     printf("static const struct raster_costs costs_%s = {\n", name);
     print_cost("tile", t->tile);
+    print_cost("clear", t->clear);
     print_cost("meshlet", t->meshlet);
     print_cost("vertex", t->vertex);
     print_cost("triangle", t->triangle);
@@ -330,6 +351,9 @@ static void print_table(const struct table *t, const char *target)
     print_cost("facing", t->facing);
     print_cost("row", t->row);
     print_cost("tested", t->tested);
+    print_cost("general_facing", t->general_facing);
+    print_cost("general_row", t->general_row);
+    print_cost("general_tested", t->general_tested);
     print_cost("survey", t->survey);
     print_cost("light", t->light);
     print_cost("region", t->region);
@@ -356,6 +380,7 @@ int main(int argc, char **argv)
         die(EXIT_USAGE, "usage: calibrate TARGET MEASURED.txt");
     const struct lines all = read_lines(argv[2]);
     fit_drawing(&t, &all);
+    fit_general(&t, &all);
     fit_flat(&t, &all);
     fit_shading(&t, &all);
     fit_rest(&t, &all);

@@ -7,7 +7,7 @@
  * and of one scene alone, when still, at parts of what its shading takes at full quality besides all else:
  *   full fixed N shading N least N frame N                      ticks of a frame: all else, shading, and of one made without steps, culling and
  *                                                               binning included; the least budget
- *   half|quarter|given budget N spent N shading N frame N squares N   per tile; per frame: ticks, what of them is beyond `fixed`, those of a frame
+ *   half|quarter|given budget N lod N coarse N spent N shading N frame N squares N   per tile; per frame: ticks, what of them is beyond `fixed`, those of a frame
  *                                                               with culling and binning, squared errors summed; the picture is left behind the full one
  * or of that scene with all surfaces at one rate, for each:
  *   rate N shading N samples N lit N hash H                     ticks; surfaces and pixel-lights evaluated; of the picture
@@ -118,6 +118,7 @@ static enum raster_status begin(uint32_t mean)
                                        .costs = &input()->costs,
                                        .bounds = &raster_tile_bounds,
                                        .tile_budget = mean,
+                                       .learnt = budget.learnt,
                                        .memory = mean ? &memory : NULL};
     return raster_begin(&raster, &frame, arena, sizeof arena);
 }
@@ -193,7 +194,7 @@ static void walk(void)
         for (uint32_t i = 0; i < input()->frames; i++)
             render(i ? least + draw(most - least + 1) : least, false);
         if (s % 8 == 0) {
-            const struct frame generous = render(1u << 26, true);
+            const struct frame generous = render(1u << 28, true);
             differ += generous.reduced || generous.hash != full.hash;
         }
     }
@@ -284,9 +285,12 @@ static void report_part(const char *name, uint32_t mean, uint32_t fixed)
     for (uint32_t i = 0; i < LEARN - 2; i++)
         render(mean, false);
     const uint32_t ticks = frame_ticks(mean);
+    coarse = 0;
     const struct frame f = render(mean, true);
     report_text(name);
     report_number("budget", mean);
+    report_number("lod", raster.lod_bias);
+    report_number("coarse", coarse);
     report_number("spent", (uint32_t)f.spent);
     report_number("shading", f.spent > fixed ? (uint32_t)f.spent - fixed : 0);
     report_number("frame", ticks);

@@ -1,10 +1,11 @@
 /*
  * Counts what the steps of a tile take on an emulated board, exactly, for costs to be fitted to (tests/bench/calibrate.c). Lines:
  *   draw TICKS vertices triangles small facing rows tested              one meshlet; "clip" where some vertex may be clipped
+ *   general TICKS rows tested                                           one triangle filled by general.c, every pixel of it seen
  *   survey TICKS clear lights                                           one tile; what clearing it took
  *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
  *   point TICKS ...                                                     ... under point lights alone
- *   finish TICKS covered shading row_pixels row_lights                  one tile; shading and pixels of what is shaded in rows
+ *   finish TICKS covered shading row_pixels row_lights pixels row_parts                 one tile; shading and pixels of what is shaded in rows
  *   end hash H                                                          of all pixels: the same on every target
  * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: four uint32_t, how many bytes blob, half-vector table and
  * specular-frame table have and 0, then these, 16-aligned. The fourth other than 0: a short walk for the hash alone, every so many tiles, half
@@ -134,7 +135,7 @@ static uint32_t count_rows(const struct raster_object *o, const struct scene_mes
     const int32_t x = (int32_t)(tile % raster.tiles_x), y = (int32_t)(tile / raster.tiles_x);
     const struct raster_tiles one = {x, y, x, y};
     b->least = 0;
-    raster_bound_coarse(&raster, o, m, &one, true);
+    raster_bound_coarse(&raster, o, m, &one, VISIBLE_SMALL);
     const uint32_t rows = b->least;
     *b = kept;
     return rows;
@@ -202,7 +203,7 @@ static uint32_t shade(const struct raster_survey *s, const struct raster_rect *r
         const uint32_t before = *blocks;
         for (uint32_t m = 0; m < s->classes; m++)
             if (s->area[m][region].pixels)
-                *blocks += raster_region_blocks(&raster, rect, region, rate);
+                *blocks += raster_region_blocks(&raster, raster_region_planes(&raster, rect, region), rate);
         if (*blocks == before)
             continue;
         const uint32_t start = clock_now();
@@ -258,12 +259,59 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     report_number("", rows ? shading : 0);
     report_number("", rows ? pixels : 0);
     report_number("", rows ? pixels * raster.frame.light_count : 0);
+    report_number("", (uint32_t)rect.width * rect.height);
+    report_number("", rows ? parts : 0);
     report_text("\n");
+}
+
+static uint32_t random_below(uint32_t below)
+{
+    static uint32_t state = 1;
+    state = state * 1664525 + 1013904223;
+    return (uint32_t)((uint64_t)state * below >> 32);
+}
+
+/* Triangles of all shapes about a tile. */
+static void fill_general(void)
+{
+    struct raster_rect rect;
+    struct raster_stats stats;
+    struct raster_vertex p[3];
+    begin(set_lights(1, 0), 1);
+    for (uint32_t n = 0; n < 600; n++) {
+        raster_tile_begin(&raster, 0, &work, &rect, &stats);
+        const int32_t size = 256 << (4 + n % 6);
+        const int32_t x = (int32_t)random_below(RASTER_TILE_WIDTH * 256),
+                      y = (int32_t)random_below(RASTER_TILE_HEIGHT * 256);
+        for (int i = 0; i < 3; i++)
+            p[i] = (struct raster_vertex){x + (int32_t)random_below((uint32_t)size) - size / 2,
+                                          y + (int32_t)random_below((uint32_t)size) - size / 2,
+                                          1000 + random_below(1 << 22), (int16_t)random_below(1 << 14),
+                                          (int16_t)random_below(1 << 14)};
+        const int64_t area =
+            (int64_t)(p[1].x - p[0].x) * (p[2].y - p[0].y) - (int64_t)(p[1].y - p[0].y) * (p[2].x - p[0].x);
+        if (area <= 0)
+            continue;
+        const uint32_t start = clock_now();
+        raster_fill_general(&work, &p[0], &p[1], &p[2], (uint64_t)area, 1, &stats);
+        const uint32_t ticks = clock_now() - start;
+        const int32_t top = fx_max(fx_min(p[0].y, fx_min(p[1].y, p[2].y)) + 127, 0) >> 8,
+                      bottom = fx_min(fx_max(p[0].y, fx_max(p[1].y, p[2].y)) - 128, RASTER_TILE_HEIGHT * 256 - 1) >> 8;
+        report_text("general");
+        report_number("", ticks);
+        report_number("", (uint32_t)fx_max(bottom - top + 1, 0));
+        report_number("", stats.tested);
+        report_text("\n");
+    }
 }
 
 _Noreturn void board_main(void)
 {
     open_input();
+    set_camera(0);
+    set_materials(RASTER_SHADE_LAFORTUNE_PHONG);
+    if (measures)
+        fill_general();
     for (uint32_t c = 0; c < CAMERAS; c++) {
         set_camera(c);
         for (unsigned shading = 0; shading < RASTER_SHADE_COUNT; shading++) {
