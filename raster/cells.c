@@ -269,4 +269,5 @@ static void finish_samples(const struct raster *r, struct raster_tile *t, const 
         }
 }
 
-const struct raster_cells raster_cells = {choose_cells, gather_cells, shade_flat, put_values, finish_samples};
+const struct raster_cells raster_cells = {
+    choose_cells, gather_cells, shade_flat, put_values, finish_samples, raster_strongest_lights, raster_remember};

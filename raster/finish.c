@@ -109,7 +109,8 @@ void raster_tile_finish(const struct raster *r, struct raster_tile *t, const str
                         struct raster_stats *stats)
 {
     const struct output o = make_output(r, t, rect);
-    raster_remember(t);
+    if (t->memory)
+        r->frame.parts->cells->remember(t);
     if (r->sample_shift)
         r->frame.parts->cells->finish(r, t, rect, stats);
     else
@@ -122,7 +123,8 @@ void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const
                             struct raster_stats *stats)
 {
     const struct output o = make_output(r, t, rect);
-    raster_remember(t);
+    if (t->memory)
+        r->frame.parts->cells->remember(t);
     t->batch.diffuse_material = 0;
     for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
         for (uint32_t x = 0; x < o.width;) {

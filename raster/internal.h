@@ -236,7 +236,7 @@ void raster_shade_regions(const struct raster *r, struct raster_tile *t, const s
 void raster_shade_tile(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                        struct raster_stats *stats);
 
-/* survey.c: puts what the tile's shading showed into its memory, if there is one, and forgets the latter. */
+/* survey.c: puts what the tile's shading showed into its memory, and forgets the latter. */
 void raster_remember(struct raster_tile *t);
 
 /* quality.c: log2 of the edge of a rate's cells along an axis, samples. Rates but flat. */
@@ -248,8 +248,9 @@ void raster_light_setup(struct raster *r);
 uint8_t raster_block_shift(const struct raster_view *v);
 /* Finds the lights that may reach a surface of the tile, which has some. */
 void raster_find_lights(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
-/* Chooses the `count` of them that may be strongest, of equals the first ones. The tile's batch is empty. */
+/* Chooses the `count` of them that may be strongest, of equals the first ones; the second, where they are more. The tile's batch is empty. */
 void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count);
+void raster_strongest_lights(const struct raster *r, struct raster_tile *t, uint32_t count);
 
 /* A way of shading a material in runs, under directional lights: its finished radiance. */
 struct raster_rows {

@@ -1,7 +1,8 @@
 /*
  * Lights of a frame, and of a block: from one light and the corners' view vectors to what block.h's models need.
  */
-#include "block.h"
+#include "shade.h"
+
 #include "func.h"
 #include "point_light.h"
 
@@ -128,14 +129,19 @@ static uint32_t light_strength(const struct raster *r, const struct raster_tile 
 
 void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count)
 {
-    uint32_t *strength = t->batch.radiance[0];
-    _Static_assert(sizeof t->batch.radiance >= SCENE_MAX_LIGHTS * sizeof *strength, "room for every light");
     if (count == t->chosen_count)
         return;
     t->chosen_count = count;
-    __builtin_memcpy(t->light_chosen, t->light_reaches, sizeof t->light_chosen);
-    if (count >= t->light_count)
-        return;
+    if (count < t->light_count)
+        r->frame.parts->cells->choose_lights(r, t, count);
+    else
+        __builtin_memcpy(t->light_chosen, t->light_reaches, sizeof t->light_chosen);
+}
+
+void raster_strongest_lights(const struct raster *r, struct raster_tile *t, uint32_t count)
+{
+    uint32_t *strength = t->batch.radiance[0];
+    _Static_assert(sizeof t->batch.radiance >= SCENE_MAX_LIGHTS * sizeof *strength, "room for every light");
     for (uint32_t i = 0; i < r->frame.light_count; i++) /* one more: 0 is for those that are out */
         strength[i] = t->light_reaches[i / 32] >> i % 32 & 1 ? fx_add_sat(light_strength(r, t, i), 1) : 0;
     __builtin_memset(t->light_chosen, 0, sizeof t->light_chosen);

@@ -20,7 +20,7 @@ struct raster_parts {
      * differ from the models' by their rounding. */
     const struct raster_rows *diffuse_rows, *blinn_phong_rows;
     const struct raster_points *point_lights;
-    /* 4 samples per pixel, and rates of shading, which budgets choose among. */
+    /* 4 samples per pixel, and shading at less than full quality, which budgets choose. */
     const struct raster_cells *cells;
 };
 

@@ -28,7 +28,7 @@ struct shading {
     uint32_t cell;         /* the first one's mask; 0: there are none */
 };
 
-/* What 4 samples per pixel and rates of shading take: samples by cells. */
+/* What 4 samples per pixel take, and shading at less than full quality: samples by cells. */
 struct raster_cells {
     /* The rate's cells, in samples: none where every pixel is shaded, and has one. */
     void (*choose)(struct shading *o);
@@ -42,6 +42,8 @@ struct raster_cells {
     /* Each pixel's four samples become one, the tile's pixels. */
     void (*finish)(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                    struct raster_stats *stats);
+    void (*choose_lights)(const struct raster *r, struct raster_tile *t, uint32_t count);
+    void (*remember)(struct raster_tile *t);
 };
 
 /* shade.c: lights the batch, all of the block's, and puts what it shows. */

@@ -156,8 +156,6 @@ void raster_remember(struct raster_tile *t)
 {
     struct raster_memory *memory = t->memory;
     t->memory = NULL;
-    if (!memory)
-        return;
     for (uint32_t i = 1; i <= t->slot_count; i++) {
         const uint32_t low = t->m.shading.low[i], high = t->m.shading.high[i], pixels = t->m.shading.pixels[i];
         uint8_t *known = &memory->contrast[t->slots[i].memory];
