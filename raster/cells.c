@@ -148,47 +148,82 @@ static void choose_cells(struct shading *o)
         o->cell |= ~(UINT32_MAX >> (1u << o->cell_x)) >> (y << o->wide);
 }
 
+/* Whether a slot is of rate flat. Takes note of others. */
+static inline bool is_flat(struct shading *o, uint32_t slot)
+{
+    if (!slot)
+        return false;
+    const struct raster_slot *info = &o->t->slots[slot];
+    if (o->quality->rate[info->class_id] == RASTER_RATE_FLAT)
+        return true;
+    if (!waits_for_rows(o, info))
+        o->other = slot;
+    return false;
+}
+
+/* Samples meshlets that were met, each material's in turn. */
+static void sample_flat(struct shading *o, uint8_t *slot, uint32_t count, struct raster_stats *stats)
+{
+    const struct raster_surface axis = {0, 0};
+    struct raster_batch *b = &o->t->batch;
+    struct raster_block *k = o->block;
+    const struct vec3 view = block_view(o, k, 0, 0);
+    while (count) {
+        uint32_t others = 0;
+        set_material(o, o->t->slots[slot[0]].material);
+        for (uint32_t i = 0; i < count; i++) {
+            const struct raster_slot *info = &o->t->slots[slot[i]];
+            const uint32_t index = o->t->m.shading.flat[slot[i]] - FLAT_SOON, shift = o->r->sample_shift;
+            const uint32_t x = (index % RASTER_TILE_WIDTH >> shift) - k->x,
+                           y = (index / RASTER_TILE_WIDTH >> shift) - k->y;
+            if (info->material != o->material) {
+                slot[others++] = slot[i];
+                continue;
+            }
+            if (b->count == RASTER_BATCH)
+                raster_flush(o, k, stats);
+            b->surface[b->count] = index;
+            set_pixel(&b->pixel[b->count++], info->frame, info->normal_shift, o->model->facing, axis, view, x | y << 8);
+        }
+        raster_flush(o, k, stats);
+        count = others;
+    }
+}
+
 /* Every meshlet of the region by its frame's z axis, which is about its mean normal, seen from the region's middle; once in the tile. */
 static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
 {
-    const struct raster_surface axis = {0, 0};
     const unsigned shift = o->r->sample_shift;
     const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,
                    below = o->height - y0 < edge ? o->height : y0 + edge;
-    uint32_t *flat = o->t->m.shading.flat;
-    struct raster_batch *b = &o->t->batch;
-    struct raster_block *k = o->block;
-    raster_block_setup(k, o->r, o->x0, o->y0, x0, y0, 0, false);
-    const struct vec3 view = block_view(o, k, 0, 0);
+    uint32_t *flat = o->t->m.shading.flat, count;
+    raster_block_setup(o->block, o->r, o->x0, o->y0, x0, y0, 0, false);
     stats->cost += o->r->frame.costs ? o->r->frame.costs->flat : 0;
-    for (bool waits = true; waits;) {
-        waits = false;
+    do {
+        uint8_t met[RASTER_SLOTS];
+        count = 0;
         for (uint32_t y = y0 << shift; y < below << shift; y++) {
             struct raster_surface *s = &o->t->surface[y * RASTER_TILE_WIDTH + (x0 << shift)];
-            for (const struct raster_surface *end = s + ((right - x0) << shift), *first = s; s != end;) {
+            for (const struct raster_surface *end = s + ((right - x0) << shift); s != end;) {
                 const uint32_t slot = raster_slot_of(s);
-                const struct raster_slot *info = &o->t->slots[slot];
-                const uint32_t colour = is_wanted(o, slot) ? flat[slot] : FLAT_SOON;
-                if (colour & FLAT_KNOWN) {
-                    do
-                        raster_put_colour(s++, colour & ~FLAT_KNOWN);
-                    while (s != end && raster_slot_of(s) == slot);
-                    continue;
-                }
-                if (!colour) {
-                    const uint32_t at = (uint32_t)(s - first) >> shift | ((y >> shift) - y0) << 8;
-                    flat[slot] = FLAT_SOON;
-                    waits = true;
-                    if (b->count == RASTER_BATCH)
-                        raster_flush(o, k, stats);
-                    b->surface[b->count] = (uint32_t)(s - o->t->surface);
-                    set_pixel(&b->pixel[b->count++], info->frame, info->normal_shift, o->model->facing, axis, view, at);
+                if (is_flat(o, slot)) {
+                    const uint32_t colour = flat[slot];
+                    if (colour & FLAT_KNOWN) {
+                        do
+                            raster_put_colour(s++, colour & ~FLAT_KNOWN);
+                        while (s != end && raster_slot_of(s) == slot);
+                        continue;
+                    }
+                    if (!colour) {
+                        flat[slot] = FLAT_SOON + (uint32_t)(s - o->t->surface);
+                        met[count++] = (uint8_t)slot;
+                    }
                 }
                 s += run_end(s, end) - s;
             }
         }
-        raster_flush(o, k, stats);
-    }
+        sample_flat(o, met, count, stats);
+    } while (count);
 }
 
 /* The same for all samples of a cell's mask, of which `index` is the first. */

@@ -118,7 +118,7 @@ struct raster_costs {
     uint32_t survey;    /* a surface counted */
     uint32_t light;     /* a light tried in a survey */
     uint32_t region;    /* gone through, once for each material and rate, with its first block */
-    uint32_t flat;      /* the same at rate flat */
+    uint32_t flat;      /* gone through at rate flat, once for all materials */
     uint32_t part;      /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
     uint32_t mixed;     /* what it takes more beside others */
     uint32_t run;       /* the same where every pixel is shaded */

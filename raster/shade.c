@@ -211,8 +211,7 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
     t->batch.count = 0;
     raster_choose_lights(r, t, q->lights);
     for (o.other = find_slot(&o, x, y); o.other;) {
-        o.material = t->batch.material = t->slots[o.other].material;
-        o.model = raster_model_of(&r->frame, &r->frame.materials[o.material]);
+        set_material(&o, t->slots[o.other].material);
         o.rate = (enum raster_rate)q->rate[t->slots[o.other].class_id];
         o.other = 0;
         if (r->frame.parts->cells)

@@ -96,6 +96,12 @@ __attribute__((always_inline)) static inline void set_pixel(struct raster_batch_
     p->at = at;
 }
 
+static inline void set_material(struct shading *o, uint32_t material)
+{
+    o->material = o->t->batch.material = material;
+    o->model = raster_model_of(&o->r->frame, &o->r->frame.materials[material]);
+}
+
 static inline bool waits_for_rows(const struct shading *o, const struct raster_slot *slot)
 {
     return o->r->in_rows[slot->material] && o->quality->rate[slot->class_id] == RASTER_RATE_1X1;
