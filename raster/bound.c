@@ -5,7 +5,7 @@
 /* A triangle cut by every plane is a polygon of 8 vertices, a fan of 6. */
 #define FAN (CLIP_MAX_VERTICES - 2)
 /* Sixteenths of what shading takes at full quality: to coarsen levels of detail errs more than to shade for less errs, down to this. */
-#define SENSIBLE 3
+#define SENSIBLE 2
 
 static uint32_t cost_ticks(uint64_t cost)
 {

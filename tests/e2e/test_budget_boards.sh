@@ -40,6 +40,7 @@ for target in $targets; do
         fi
         tiles=$((tiles + t)) over=$((over + o)) late=$((late + l)) differ=$((differ + d))
         [ "$o$l$d" = 000 ] || problems+="$kind: $o of $t tiles over, $l frames, $d differ"$'\n'
+        [ "$kind" != random ] || [ "$p99" -le 1100 ] || problems+="$kind: spent over predicted $p99 thousandths at 99 %"$'\n'
         [ "$most" -le 1250 ] || wrong+="$kind: spent over predicted up to $most thousandths"$'\n'
         case=$kind
         [ $kind != random ] || case=all
