@@ -68,18 +68,18 @@ static struct spans triangle_spans(struct raster_tile *t, const struct raster_ve
 }
 
 /* An attribute's differences b-a and c-a with three fraction bits, |d| <= 2^26. */
-struct slope {
+struct change {
     int32_t b, c;
 };
 
-static inline struct slope slope_of(int32_t a, int32_t b, int32_t c)
+static inline struct change change_of(int32_t a, int32_t b, int32_t c)
 {
-    return (struct slope){(b - a) * 8, (c - a) * 8};
+    return (struct change){(b - a) * 8, (c - a) * 8};
 }
 
 /* The sum of differences by weights in Q29, rounded. A weight that rounding takes beyond one is above it by 1, and the other is below 4
  * then: both together move the sum by less than 2^29, and half is 2^31. */
-static inline uint32_t blend(struct slope d, int32_t wb, int32_t wc)
+static inline uint32_t blend(struct change d, int32_t wb, int32_t wc)
 {
     const uint64_t sum = (uint64_t)((int64_t)d.b * wb + (int64_t)d.c * wc);
     return (uint32_t)(sum >> 32) + ((uint32_t)sum >> 31);
@@ -109,8 +109,8 @@ void raster_fill_general(struct raster_tile *t, const struct raster_vertex *a, c
     const int32_t x = 128 - a->x, y = 256 * s.first_row + 128 - a->y;
     struct weight mb = weight_setup(x, y, c->x - a->x, c->y - a->y, lead); /* >= 0 where covered, sum <= area < 2^47 */
     struct weight mc = weight_setup(x, y, a->x - b->x, a->y - b->y, lead);
-    const struct slope d = slope_of((int32_t)a->inv_w, (int32_t)b->inv_w, (int32_t)c->inv_w),
-                       u = slope_of(a->u, b->u, c->u), v = slope_of(a->v, b->v, c->v);
+    const struct change d = change_of((int32_t)a->inv_w, (int32_t)b->inv_w, (int32_t)c->inv_w),
+                        u = change_of(a->u, b->u, c->u), v = change_of(a->v, b->v, c->v);
     const uint32_t key_a = (a->inv_w + DEPTH_BIAS) << 8 | slot, u_a = (uint32_t)a->u, v_a = (uint32_t)a->v;
     struct raster_surface *line = t->surface + s.first_row * RASTER_TILE_WIDTH;
     for (const int32_t *span = t->m.spans, *last = span + 2 * s.rows; span != last; span += 2) {
