@@ -87,14 +87,33 @@ static uint32_t count_bits(uint64_t x)
     return n;
 }
 
-/* A region is gone through once for every material and rate in it: a pass at a rate. */
-static uint32_t pass_cost(const struct budget_plan *p, unsigned rate, unsigned planes)
+/* A region is gone through for each material once by pixels and once by cells, whatever their rates, and once for all that is flat. */
+static uint64_t pass_cost(const struct budget_plan *p, unsigned rate, unsigned planes, uint64_t materials)
 {
     const struct raster_costs *c = p->r->frame.costs;
+    const uint32_t count = count_bits(materials);
     if (rate == RASTER_RATE_FLAT)
-        return c->flat << 2 * p->r->sample_shift;
-    return c->region +
-           raster_region_blocks(p->r, planes, (enum raster_rate)rate) * fx_min_u(p->planes + BLOCK_COST, 1u << 22);
+        return (c->flat << 2 * p->r->sample_shift) + (uint64_t)count * p->flat_planes;
+    return (uint64_t)count * (c->region + raster_region_blocks(p->r, planes, (enum raster_rate)rate) *
+                                              fx_min_u(p->planes + BLOCK_COST, 1u << 22));
+}
+
+/* Of a region's passes, at most: `materials` by the rates that they have in it. */
+static uint64_t passes_cost(const struct budget_plan *p, const uint64_t materials[RASTER_RATE_COUNT], unsigned planes)
+{
+    uint64_t sum = 0, cells = 0;
+    unsigned finest = 0;
+    for (unsigned rate = RASTER_RATE_FLAT - 1; rate > RASTER_RATE_1X1; rate--) {
+        cells |= materials[rate];
+        finest = materials[rate] ? rate : finest;
+    }
+    if (materials[RASTER_RATE_FLAT])
+        sum += pass_cost(p, RASTER_RATE_FLAT, planes, materials[RASTER_RATE_FLAT]);
+    if (cells)
+        sum += pass_cost(p, finest, planes, cells);
+    if (materials[RASTER_RATE_1X1])
+        sum += pass_cost(p, RASTER_RATE_1X1, planes, materials[RASTER_RATE_1X1]);
+    return sum;
 }
 
 /* Of a class in a region, at most, with passes of its own. */
@@ -104,7 +123,7 @@ static uint64_t alone_cost(const struct budget_plan *p, const struct budget_unit
     const uint64_t cost = most_cost(p, u, i, rate, region);
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
         return cost;
-    return cost + (uint64_t)count_bits(p->materials[i]) * pass_cost(p, rate, p->region_planes[region]);
+    return cost + pass_cost(p, rate, p->region_planes[region], p->materials[i]);
 }
 
 /* Of all classes in a region, at most. */
@@ -120,10 +139,7 @@ static uint64_t region_cost(const struct budget_plan *p, const struct budget_uni
         if (rate != RASTER_RATE_1X1 || !(p->rows >> i & 1))
             materials[rate] |= p->materials[i];
     }
-    for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
-        if (materials[rate])
-            sum += (uint64_t)count_bits(materials[rate]) * pass_cost(p, rate, p->region_planes[region]);
-    return sum;
+    return sum + passes_cost(p, materials, p->region_planes[region]);
 }
 
 uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q)
@@ -181,8 +197,8 @@ static void sum_last_rungs(struct budget_plan *p)
         }
         p->last_rung[region] = p->last_rung[region + 1] + ticks_of(last); /* 2^3 2^28 */
         p->flat_ticks[region] =
-            p->flat_ticks[region + 1] + ticks_of((uint64_t)c->copied * pixels +
-                                                 (uint64_t)pass_cost(p, RASTER_RATE_FLAT, 0) * count_bits(materials));
+            p->flat_ticks[region + 1] +
+            ticks_of((uint64_t)c->copied * pixels + (pixels ? pass_cost(p, RASTER_RATE_FLAT, 0, materials) : 0));
         p->flat_cells[region] = p->flat_cells[region + 1] + cells;
     }
 }
@@ -271,10 +287,10 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
         for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
             uint64_t cost = area_cost(p, total, rate, samples[rate],
                                       rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
-            /* Classes of one material and rate share a pass; some blocks are larger than a region's smallest. */
-            for (unsigned k = 0; k <= RASTER_REGION_SHIFT && (rate || p->first >> i & 1); k++)
+            /* Classes of one material share passes; some blocks are larger than a region's smallest. */
+            for (unsigned k = 0; k <= RASTER_REGION_SHIFT && p->first >> i & 1; k++)
                 if (p->regions[i][k])
-                    cost += (uint64_t)p->regions[i][k] * pass_cost(p, rate, k) / (k == RASTER_REGION_SHIFT ? 1 : 2);
+                    cost += p->regions[i][k] * pass_cost(p, rate, k, 1) / (k == RASTER_REGION_SHIFT ? 1 : 2);
             if (!rate && p->rows >> i & 1)
                 cost = row_cost(&p->units, i, total);
             p->classes[i].ticks[rate] = ticks_of(cost);
@@ -289,7 +305,7 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
     const struct raster_survey *s = p->survey;
     const struct raster_costs *c = p->r->frame.costs;
     uint64_t materials[RASTER_CLASSES] = {0}, seen = 0;
-    uint32_t planes = 0, flat = 0;
+    uint32_t planes = 0, flat = 0, flat_planes = 0;
     for (uint32_t i = 1; i <= s->slots; i++)
         if (work->m.shading.pixels[i])
             materials[work->slots[i].class_id] |= (uint64_t)1 << work->slots[i].material;
@@ -307,8 +323,10 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
                 p->regions[i][p->region_planes[region]]++;
         const struct raster_shading_cost *k = &c->shading[shading_of(p, i, RASTER_RATE_4X4)];
         planes = k->material > planes ? k->material : planes;
-        const uint32_t each = raster_flat_cost(p->r, s->material[id]);
+        const uint32_t each = raster_flat_cost(p->r, s->material[id], s->point_lights);
+        const uint32_t more = raster_flat_planes(p->r, s->material[id]);
         flat = each > flat ? each : flat;
+        flat_planes = more > flat_planes ? more : flat_planes;
         if (p->r->in_rows[s->material[id]])
             p->rows |= 1u << i;
         if (materials[id] & ~seen)
@@ -317,6 +335,7 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
     }
     p->planes = planes * p->r->directional;
     p->flat_each = ticks_of(flat);
+    p->flat_planes = flat_planes;
 }
 
 void budget_plan_begin(struct budget_plan *p, const struct budget *b, const struct raster *r,
@@ -352,6 +371,20 @@ uint32_t budget_plan_flat(struct budget_plan *p)
     return budget_least_ticks(p, 0);
 }
 
+/* Passes of regions beyond those that each material's first class was charged with: where its classes are shaded in different ways. */
+static uint32_t more_passes(const struct budget_plan *p)
+{
+    uint64_t known[3] = {0}, cost = 0; /* materials, by pixels, by cells, flat */
+    for (uint32_t i = 0; i < p->count; i++) {
+        const unsigned rate = p->classes[i].rate, kind = rate == RASTER_RATE_FLAT ? 2 : rate != RASTER_RATE_1X1;
+        const uint32_t each = kind == 2 ? p->r->frame.costs->flat : p->r->frame.costs->region;
+        for (unsigned k = 0; k <= RASTER_REGION_SHIFT && !(p->first >> i & 1) && p->materials[i] & ~known[kind]; k++)
+            cost += (uint64_t)p->regions[i][k] * each;
+        known[kind] |= p->materials[i];
+    }
+    return ticks_of(cost);
+}
+
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks)
 {
     static const uint8_t ladder[] = {RASTER_ALL_LIGHTS, 16, RASTER_LEAST_LIGHTS};
@@ -370,7 +403,7 @@ uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint3
         if (error >= least || (sum > ticks && ladder[step] > RASTER_LEAST_LIGHTS && all > RASTER_LEAST_LIGHTS))
             continue; /* fewer lights may fit */
         least = error;
-        expected = sum;
+        expected = fx_add_sat(sum, more_passes(p));
         p->quality.lights = ladder[step];
         for (uint32_t i = 0; i < p->count; i++)
             p->quality.rate[p->id[i]] = p->classes[i].rate;

@@ -248,21 +248,22 @@ void raster_bound_wanted(struct raster *r, const struct raster_load *load, const
         }
 }
 
-uint32_t raster_flat_cost(const struct raster *r, uint32_t material)
+static const struct raster_shading_cost *flat_shading(const struct raster *r, uint32_t material)
 {
-    const struct raster_shading_cost *c = &r->frame.costs->shading[raster_shading_of(r, material, RASTER_RATE_FLAT)];
-    return fx_min_u(c->flat, c->sample + fx_min_u(r->frame.light_count, RASTER_LEAST_LIGHTS) * c->point);
+    return &r->frame.costs->shading[raster_shading_of(r, material, RASTER_RATE_FLAT)];
 }
 
-/* Of one flat meshlet, of any object in view. */
-static uint32_t flat_cost(const struct raster *r)
+uint32_t raster_flat_cost(const struct raster *r, uint32_t material, uint32_t points)
 {
-    uint32_t most = 0;
-    for (uint32_t i = 0; i < r->object_count; i++) {
-        const uint32_t c = raster_flat_cost(r, r->objects[i].material);
-        most = c > most ? c : most;
-    }
-    return most;
+    const struct raster_shading_cost *c = flat_shading(r, material);
+    const uint32_t lit = c->lit > c->dark ? c->lit : c->dark, point = c->point > lit ? c->point : lit;
+    const uint32_t most = fx_min_u(r->directional + points, RASTER_LEAST_LIGHTS), exact = fx_min_u(points, most);
+    return fx_min_u(c->flat, c->sample + (most - exact) * lit + exact * point);
+}
+
+uint32_t raster_flat_planes(const struct raster *r, uint32_t material)
+{
+    return fx_min_u(r->directional, RASTER_LEAST_LIGHTS) * flat_shading(r, material)->material;
 }
 
 /* sum / count rounded up, with 32-bit divisions. In: count < 2^18, sum < 2^32 count. */
@@ -288,7 +289,14 @@ static uint32_t seen_part(uint32_t shown)
 uint32_t raster_min_tile_budget(struct raster *r)
 {
     const struct raster_costs *c = r->frame.costs;
-    const uint64_t flat = flat_cost(r);
+    uint32_t flat = 0, flat_planes = 0; /* of any object in view */
+    for (uint32_t i = 0; i < r->object_count; i++) {
+        const uint32_t material = r->objects[i].material;
+        const uint32_t each = raster_flat_cost(r, material, r->frame.light_count - r->directional),
+                       more = raster_flat_planes(r, material);
+        flat = each > flat ? each : flat;
+        flat_planes = more > flat_planes ? more : flat_planes;
+    }
     const uint64_t pass = (uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * r->frame.light_count;
     const uint32_t planes = r->directional * c->shading[RASTER_SHADE_HALF_VECTOR].material;
     const uint32_t tiles = raster_tile_count(r);
@@ -301,7 +309,7 @@ uint32_t raster_min_tile_budget(struct raster *r)
         const uint64_t regions =
             ((uint64_t)b->passes << 2 * r->sample_shift) + (passes ? (passes - 1) * RASTER_MAX_REGIONS : 0);
         b->least = fx_add_sat_u(b->least, cost_ticks((uint64_t)c->tile + c->clear + (uint64_t)c->finished * pixels +
-                                                     flat * b->meshlets + regions * c->flat +
+                                                     (uint64_t)flat * b->meshlets + regions * (c->flat + flat_planes) +
                                                      passes * (pass + (uint64_t)c->copied * pixels)));
         const uint32_t shown = fx_min_u(b->shown, RASTER_TILE_PIXELS);
         b->overhead = cost_ticks((uint64_t)c->tile + c->plan + (uint64_t)c->survey * RASTER_TILE_PIXELS +

@@ -7,11 +7,12 @@
 #define FLAT_KNOWN 0x80000000u
 #define FLAT_SOON  1u
 
-#define PLACE(y, x)  ((y)*RASTER_TILE_WIDTH + (x))
-#define PLACES(y, x) PLACE(y, x), PLACE(y, (x) + 1), PLACE(y, (x) + 2), PLACE(y, (x) + 3)
-static const uint16_t places[3][16] = {{PLACES(0, 0), PLACES(0, 4), PLACES(0, 8), PLACES(0, 12)},
-                                       {PLACES(0, 0), PLACES(0, 4), PLACES(1, 0), PLACES(1, 4)},
-                                       {PLACES(0, 0), PLACES(1, 0), PLACES(2, 0), PLACES(3, 0)}};
+#define PLACE(y, x) ((y)*RASTER_TILE_WIDTH + (x))
+#define PLACES(y)   PLACE(y, 0), PLACE(y, 1), PLACE(y, 2), PLACE(y, 3)
+
+/* Of sixteen samples, four by four; in masks the first is the highest bit. */
+static const uint16_t place[16] = {PLACES(0), PLACES(1), PLACES(2), PLACES(3)};
+#define ALL 0xffff0000u
 
 /* The first slot in words of four; 0: there is none. */
 static inline uint32_t first_slot(const uint32_t word[4])
@@ -35,21 +36,20 @@ static inline uint32_t mask_slot(uint32_t word[4], uint32_t slot)
     return high | low >> 8;
 }
 
-/* Samples in columns left .. right-1 and rows 0 .. below-1. */
-static uint32_t mask_inside(const struct shading *o, uint32_t left, uint32_t right, uint32_t below)
+/* Samples in columns left .. right-1 and rows above .. below-1. */
+static uint32_t mask_inside(uint32_t left, uint32_t right, uint32_t above, uint32_t below)
 {
-    const uint32_t row = (UINT32_MAX >> left) & ~(UINT32_MAX >> fx_min_u(right, 1u << o->wide));
+    const uint32_t row = (UINT32_MAX >> left) & ~(UINT32_MAX >> fx_min_u(right, 4));
     uint32_t mask = 0;
-    for (uint32_t y = 0; y < fx_min_u(below, 16u >> o->wide); y++)
-        mask |= row >> (y << o->wide);
+    for (uint32_t y = above; y < fx_min_u(below, 4); y++)
+        mask |= row >> 4 * y;
     return mask;
 }
 
 /* The mean of a whole cell's corners, which for one triangle is that of all its samples. */
-static inline struct raster_surface cell_mean(const struct shading *o, const struct raster_surface *a)
+static inline struct raster_surface cell_mean(const struct shading_cell *cell, const struct raster_surface *a)
 {
-    const struct raster_surface *b = a + (1 << o->cell_x) - 1, *c = a + PLACE((1 << o->cell_y) - 1, 0),
-                                *d = c + (b - a);
+    const struct raster_surface *b = a + (1 << cell->x) - 1, *c = a + PLACE((1 << cell->y) - 1, 0), *d = c + (b - a);
     return (struct raster_surface){
         ((a->depth_slot >> 8) + (b->depth_slot >> 8) + (c->depth_slot >> 8) + (d->depth_slot >> 8) + 2) >> 2 << 8,
         lanes((lane_low(a->normal) + lane_low(b->normal) + lane_low(c->normal) + lane_low(d->normal) + 2) >> 2,
@@ -57,13 +57,12 @@ static inline struct raster_surface cell_mean(const struct shading *o, const str
 }
 
 /* The mean of a mask's. */
-static inline struct raster_surface mask_mean(const struct shading *o, const struct raster_surface *first,
-                                              uint32_t mask)
+static inline struct raster_surface mask_mean(const struct raster_surface *first, uint32_t mask)
 {
     uint32_t u = 0, v = 0, depth = 0, count = 0; /* u and v 2^15 more each at last, so that division rounds one way */
     do {
         const uint32_t i = fx_clz(mask);
-        const struct raster_surface *s = &first[o->place[i]];
+        const struct raster_surface *s = &first[place[i]];
         mask &= ~(0x80000000u >> i);
         u += (uint32_t)lane_low(s->normal);
         v += (uint32_t)lane_high(s->normal);
@@ -75,27 +74,30 @@ static inline struct raster_surface mask_mean(const struct shading *o, const str
                                                                       (int32_t)((v + offset) / count - 32768))};
 }
 
-/* A slot's samples of sixteen from surface `first` on, a cell at a time; the first cell's middle is at pixel (x0, y) of the block, `row_view`
- * at (0, y). */
-static inline void gather_masked(const struct shading *o, struct raster_block *k, uint32_t first, uint32_t mask,
-                                 uint32_t slot, uint32_t x0, uint32_t y, struct vec3 row_view,
+/* A slot's samples of sixteen from (x0, y0) of the tile on, a cell at a time, all in pixel row y of the block, as rows never fall in a batch;
+ * `row_view` at (0, y). */
+static inline void gather_masked(const struct shading *o, struct raster_block *k, uint32_t x0, uint32_t y0,
+                                 uint32_t mask, uint32_t slot, uint32_t y, struct vec3 row_view,
                                  struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
     const struct raster_slot *info = &o->t->slots[slot];
+    const struct shading_cell *cell = &o->cells[o->quality->rate[info->class_id]];
+    const uint32_t first = PLACE(y0, x0), middle = ((1u << cell->x) - 1) >> 1;
     const struct raster_surface *s = &o->t->surface[first];
     do {
-        const uint32_t i = fx_clz(mask), before = (i & ((1u << o->wide) - 1)) >> o->cell_x << o->cell_x,
-                       cell = o->cell >> before, part = mask & cell, x = x0 + (before >> o->r->sample_shift);
-        struct raster_surface mean = s[o->place[i]];
+        const uint32_t i = fx_clz(mask), column = (i & 3) >> cell->x << cell->x, row = i >> 2 >> cell->y << cell->y,
+                       whole = cell->mask >> (column + 4 * row), part = mask & whole;
+        const uint32_t x = ((x0 + column + middle) >> o->r->sample_shift) - k->x;
+        struct raster_surface mean = s[place[i]];
         mask -= part;
-        if (o->mean && part == cell)
-            mean = cell_mean(o, &s[before]);
-        else if (o->mean && part & (part - 1))
-            mean = mask_mean(o, s, part);
+        if (cell->mean && part == whole)
+            mean = cell_mean(cell, &s[PLACE(row, column)]);
+        else if (cell->mean && part & (part - 1))
+            mean = mask_mean(s, part);
         if (b->count == RASTER_BATCH)
             raster_flush(o, k, stats);
-        b->surface[b->count] = part | (first + o->place[i]);
+        b->surface[b->count] = part | (first + place[i]);
         set_pixel(&b->pixel[b->count++], info->frame, info->normal_shift, o->model->facing, mean,
                   k->exact ? block_view(o, k, x, y) : view_after(row_view, k, x), x | y << 8);
     } while (mask);
@@ -106,46 +108,49 @@ static void gather_cells(struct shading *o, struct raster_block *k, uint32_t wid
                          struct raster_stats *stats)
 {
     const unsigned shift = o->r->sample_shift;
-    const uint32_t left = k->x << shift, right = (k->x + width) << shift, below = (k->y + height) << shift,
-                   columns = 1u << o->wide, rows = 16u >> o->wide, middle_x = ((1u << o->cell_x) - 1) >> 1,
-                   middle_y = ((1u << o->cell_y) - 1) >> 1;
-    for (uint32_t y = k->y << shift; y < below; y += rows) {
-        const uint32_t pixel_y = ((y + middle_y) >> shift) - k->y;
-        const struct vec3 view = block_view(o, k, 0, pixel_y);
-        for (uint32_t x = left & ~(columns - 1); x < right; x += columns) {
-            const uint32_t first = y * RASTER_TILE_WIDTH + x;
-            const struct raster_surface *s = &o->t->surface[first];
-            uint32_t inside = 0xffff0000u, slot,
-                     word[4] = {raster_four_slots(s), raster_four_slots(s + o->place[4]),
-                                raster_four_slots(s + o->place[8]), raster_four_slots(s + o->place[12])};
-            if (x < left || x + columns > right || y + rows > below)
-                inside = mask_inside(o, x < left ? left - x : 0, right - x, below - y);
+    const uint32_t left = k->x << shift, right = (k->x + width) << shift, above = k->y << shift,
+                   below = (k->y + height) << shift;
+    /* A pixel's samples are in two rows. */
+    const uint32_t rows = o->pass == PASS_PIXELS ? 2 : 4;
+    for (uint32_t y = above & ~(rows - 1); y < below; y += rows) {
+        const uint32_t middle = y + 1 > above ? ((y + 1) >> shift) - k->y : 0;
+        const struct vec3 view = block_view(o, k, 0, middle);
+        for (uint32_t x = left & ~3u; x < right; x += 4) {
+            const struct raster_surface *s = &o->t->surface[PLACE(y, x)];
+            uint32_t inside = ALL, slot,
+                     word[4] = {raster_four_slots(s), raster_four_slots(s + PLACE(1, 0)),
+                                rows == 4 ? raster_four_slots(s + PLACE(2, 0)) : 0,
+                                rows == 4 ? raster_four_slots(s + PLACE(3, 0)) : 0};
+            if (x < left || x + 4 > right || y < above || y + rows > below)
+                inside = mask_inside(x < left ? left - x : 0, right - x, y < above ? above - y : 0, below - y);
             while ((slot = first_slot(word)) != 0) {
                 const uint32_t mask = mask_slot(word, slot) & inside;
                 if (mask && is_wanted(o, slot))
-                    gather_masked(o, k, first, mask, slot, ((x + middle_x) >> shift) - k->x, pixel_y, view, stats);
+                    gather_masked(o, k, x, y, mask, slot, middle, view, stats);
             }
         }
     }
 }
 
-/* The cells of the rate, in samples: none where every pixel is shaded, and has one. */
+/* Each rate's cells, and the largest of those that classes have. */
 static void choose_cells(struct shading *o)
 {
-    const enum raster_rate rate = o->rate;
-    o->flat = rate == RASTER_RATE_FLAT;
-    o->mean = rate != RASTER_RATE_1X1;
-    o->cell_x = o->cell_y = 0;
-    /* Before the last meshlet is drawn, every sample is shaded by itself: which of a pixel's is seen may change. */
-    if (!o->flat && (o->mean || !o->t->run)) {
-        o->cell_x = raster_cell_shift(o->r, rate, 0);
-        o->cell_y = raster_cell_shift(o->r, rate, 1);
+    o->least = 0;
+    for (unsigned rate = 0; rate < RASTER_RATE_FLAT; rate++) {
+        struct shading_cell *c = &o->cells[rate];
+        /* Before the last meshlet is drawn, every sample is shaded by itself: which of a pixel's is seen may change. */
+        const bool one = rate == RASTER_RATE_1X1 && o->t->run;
+        c->mean = rate != RASTER_RATE_1X1;
+        c->x = one ? 0 : raster_cell_shift(o->r, rate, 0);
+        c->y = one ? 0 : raster_cell_shift(o->r, rate, 1);
+        c->mask = 0;
+        for (uint32_t y = 0; y < 1u << c->y; y++)
+            c->mask |= ~(UINT32_MAX >> (1u << c->x)) >> 4 * y;
     }
-    o->wide = 4 - o->cell_y;
-    o->place = places[o->cell_y];
-    o->cell = 0;
-    for (uint32_t y = 0; y < 1u << o->cell_y && !o->flat && (o->mean || o->r->sample_shift); y++)
-        o->cell |= ~(UINT32_MAX >> (1u << o->cell_x)) >> (y << o->wide);
+    for (unsigned i = 0; i < RASTER_CLASSES; i++)
+        if (o->quality->rate[i] < RASTER_RATE_FLAT)
+            o->least = o->cells[o->quality->rate[i]].x > o->least ? o->cells[o->quality->rate[i]].x : o->least;
+    o->least -= fx_min_u(o->least, o->r->sample_shift);
 }
 
 /* Whether a slot is of rate flat. Takes note of others. */
@@ -230,32 +235,35 @@ static void shade_flat(struct shading *o, uint32_t x0, uint32_t y0, struct raste
 static inline void put_cell(const struct shading *o, uint32_t index, uint32_t mask, uint32_t value)
 {
     struct raster_surface *s = &o->t->surface[index];
-    if (mask == o->cell >> fx_clz(mask) && o->cell_x) {
-        for (const struct raster_surface *end = s + PLACE(1 << o->cell_y, 0); s != end; s += PLACE(1, 0)) {
+    if (mask == ALL) {
+        for (const struct raster_surface *end = s + PLACE(4, 0); s != end; s += PLACE(1, 0)) {
             raster_put_colour(&s[0], value);
             raster_put_colour(&s[1], value);
-            if (o->cell_x == 1)
-                continue;
             raster_put_colour(&s[2], value);
             raster_put_colour(&s[3], value);
         }
         return;
     }
-    s -= o->place[fx_clz(mask)];
+    s -= place[fx_clz(mask)];
     do {
         const uint32_t i = fx_clz(mask);
         mask &= ~(0x80000000u >> i);
-        raster_put_colour(&s[o->place[i]], value);
+        raster_put_colour(&s[place[i]], value);
     } while (mask);
 }
 
-/* Keeps the range of a meshlet's green. */
+/* Keeps the range of a meshlet's green, where it shows in some cells: fewer would tell too little. */
 static void note_values(const struct shading *o, const uint32_t *value)
 {
     const struct raster_batch *b = &o->t->batch;
     for (uint32_t i = 0; i < b->count; i++) {
         const uint32_t slot = raster_slot_of(&o->t->surface[b->surface[i] & 0xffff]);
         const uint8_t green = (uint8_t)(o->format == RASTER_RGB565 ? value[i] >> 5 << 2 : value[i] >> 8);
+        if (o->pass == PASS_CELLS) {
+            const struct shading_cell *c = &o->cells[o->quality->rate[o->t->slots[slot].class_id]];
+            if (o->t->m.shading.pixels[slot] < 4u << (c->x + c->y))
+                continue;
+        }
         uint8_t *low = &o->t->m.shading.low[slot], *high = &o->t->m.shading.high[slot];
         *low = green < *low ? green : *low;
         *high = green > *high ? green : *high;
@@ -265,12 +273,12 @@ static void note_values(const struct shading *o, const uint32_t *value)
 static void put_values(const struct shading *o, const uint32_t *value)
 {
     const struct raster_batch *b = &o->t->batch;
-    if (o->t->memory && !o->flat)
+    if (o->t->memory && o->pass != PASS_FLAT)
         note_values(o, value);
-    if (o->flat)
+    if (o->pass == PASS_FLAT)
         for (uint32_t i = 0; i < b->count; i++)
             o->t->m.shading.flat[raster_slot_of(&o->t->surface[b->surface[i] & 0xffff])] = value[i] | FLAT_KNOWN;
-    else if (o->cell)
+    else if (o->pass == PASS_CELLS || o->r->sample_shift)
         for (uint32_t i = 0; i < b->count; i++)
             put_cell(o, b->surface[i] & 0xffff, b->surface[i] & 0xffff0000u, value[i]);
     else

@@ -138,8 +138,10 @@ struct raster_costs {
 /* For raster_frame.bounds: a program that does without budgets is linked without it. */
 extern const struct raster_bounds raster_tile_bounds;
 
-/* Of a meshlet at rate flat, under at most RASTER_LEAST_LIGHTS of the frame's lights: at most. */
-uint32_t raster_flat_cost(const struct raster *r, uint32_t material);
+/* Of a meshlet at rate flat, under at most RASTER_LEAST_LIGHTS of the frame's directional and `points` point lights: at most; and what a
+ * region takes besides for each material that has some, for planes. */
+uint32_t raster_flat_cost(const struct raster *r, uint32_t material, uint32_t points);
+uint32_t raster_flat_planes(const struct raster *r, uint32_t material);
 /* Samples of a class's area at a rate: at most (at rates 1x1 of one sample per pixel, 4x4 and in areas of whole cells this many); and what is
  * likely, for all rates, without light or colour being known. */
 uint32_t raster_samples_most(const struct raster *r, const struct raster_survey *s, uint32_t class_id,

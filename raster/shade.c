@@ -44,14 +44,14 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
         limit_radiance(b);
     stats->samples += b->count;
     stats->shaded += lit;
-    stats->cost += o->flat ? (uint64_t)b->count * c->flat : cost;
+    stats->cost += cost;
     if (m->kind == SCENE_MATERIAL_MEASURED)
         stats->fetches += 8 * lit;
     if (o->model->ambient)
         o->model->ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
     raster_finish_pixels(value, b->radiance, b->count, r->frame.output->tone_curve, o->format);
-    if (o->cell || o->flat || o->t->memory)
+    if (o->pass != PASS_PIXELS || r->sample_shift || o->t->memory)
         r->frame.parts->cells->put(o, value);
     else
         for (uint32_t i = 0; i < b->count; i++)
@@ -138,7 +138,7 @@ static void shade_block(struct shading *o, uint32_t x, uint32_t y, unsigned shif
     const uint32_t width = right < edge ? right : edge, height = below < edge ? below : edge;
     struct raster_block *k = o->block;
     raster_block_setup(k, o->r, o->x0, o->y0, x, y, shift, exact);
-    if (o->cell)
+    if (o->pass == PASS_CELLS || o->r->sample_shift)
         o->r->frame.parts->cells->gather(o, k, width, height, stats);
     else
         for (uint32_t i = 0; i < height; i++)
@@ -149,8 +149,7 @@ static void shade_block(struct shading *o, uint32_t x, uint32_t y, unsigned shif
 /* A region, in smaller blocks where planes do not hold: in Z order, each as large as its place allows and no smaller than a cell. */
 static void shade_region(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats)
 {
-    const unsigned cell = (o->cell_x > o->cell_y ? o->cell_x : o->cell_y),
-                   least = cell > o->r->sample_shift ? cell - o->r->sample_shift : 0,
+    const unsigned least = o->pass == PASS_CELLS ? o->least : 0,
                    most = o->r->block_shift > least ? o->r->block_shift : least;
     unsigned shift;
     stats->cost += o->r->frame.costs ? o->r->frame.costs->region : 0;
@@ -210,13 +209,14 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
     block.scaled = false;
     t->batch.count = 0;
     raster_choose_lights(r, t, q->lights);
-    for (o.other = find_slot(&o, x, y); o.other;) {
+    o.other = find_slot(&o, x, y);
+    if (o.other && r->frame.parts->cells)
+        r->frame.parts->cells->choose(&o);
+    while (o.other) {
         set_material(&o, t->slots[o.other].material);
-        o.rate = (enum raster_rate)q->rate[t->slots[o.other].class_id];
+        o.pass = pass_of(&o, &t->slots[o.other]);
         o.other = 0;
-        if (r->frame.parts->cells)
-            r->frame.parts->cells->choose(&o);
-        if (o.flat)
+        if (o.pass == PASS_FLAT)
             r->frame.parts->cells->flat(&o, x, y, stats);
         else
             shade_region(&o, x, y, stats);

@@ -6,6 +6,16 @@
 
 #include "block.h"
 
+/* A region is gone through for each material once for what is shaded pixel by pixel and once by cells, and for all once flat. */
+enum pass { PASS_PIXELS, PASS_CELLS, PASS_FLAT };
+
+/* A rate's cell: log2 of its edges, in samples, at most 2. */
+struct shading_cell {
+    uint8_t x, y;
+    bool mean;     /* its meshlets are shaded by their mean normal, not by their first sample's */
+    uint32_t mask; /* of sixteen samples: the first cell's, see cells.c */
+};
+
 /* Surfaces of one material being shaded, and the region they are in. */
 struct shading {
     const struct raster *r;
@@ -15,29 +25,24 @@ struct shading {
     const struct raster_quality *quality;
     uint32_t material;
     const struct raster_model *model; /* its */
-    enum raster_rate rate;
-    struct raster_block *block; /* the last one, which may be the next material's or rate's, too */
-    uint32_t other;             /* slot of another material or rate that was met, too; 0: none */
+    enum pass pass;
+    struct raster_block *block; /* the last one, which may be the next material's or pass's, too */
+    uint32_t other;             /* slot of another material or pass that was met, too; 0: none */
     uint8_t format;             /* of a finished value */
-    bool mean;                  /* a cell's meshlets are shaded by their mean normal, not by their first sample's */
-    bool flat;                  /* a meshlet has one colour */
-    uint8_t cell_x, cell_y;     /* log2 of a cell's edges, in samples; at most 2 */
-    /* Sixteen samples side by side, cells in a row: `wide` is log2 of their columns. In masks the first is the highest bit. */
-    uint8_t wide;
-    const uint16_t *place; /* of each, from the first on */
-    uint32_t cell;         /* the first one's mask; 0: there are none */
+    uint32_t least; /* log2 of the smallest block's edge in cells' pass, pixels: that of the largest cell's */
+    struct shading_cell cells[RASTER_RATE_FLAT];
 };
 
 /* What 4 samples per pixel take, and shading at less than full quality: samples by cells. */
 struct raster_cells {
-    /* The rate's cells, in samples: none where every pixel is shaded, and has one. */
+    /* Cells for the quality. */
     void (*choose)(struct shading *o);
     /* A block's samples. */
     void (*gather)(struct shading *o, struct raster_block *k, uint32_t width, uint32_t height,
                    struct raster_stats *stats);
     /* A region at rate flat. */
     void (*flat)(struct shading *o, uint32_t x0, uint32_t y0, struct raster_stats *stats);
-    /* The batch's values to where they belong, for the cells chosen. */
+    /* The batch's values to where they belong. */
     void (*put)(const struct shading *o, const uint32_t *value);
     /* Each pixel's four samples become one, the tile's pixels. */
     void (*finish)(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
@@ -107,13 +112,19 @@ static inline bool waits_for_rows(const struct shading *o, const struct raster_s
     return o->r->in_rows[slot->material] && o->quality->rate[slot->class_id] == RASTER_RATE_1X1;
 }
 
-/* Whether a surface is of the material and rate being shaded. Takes note of others. */
+static inline enum pass pass_of(const struct shading *o, const struct raster_slot *slot)
+{
+    const unsigned rate = o->quality->rate[slot->class_id];
+    return rate == RASTER_RATE_FLAT ? PASS_FLAT : rate == RASTER_RATE_1X1 ? PASS_PIXELS : PASS_CELLS;
+}
+
+/* Whether a surface is of the material and pass being shaded. Takes note of others. */
 static inline bool is_wanted(struct shading *o, uint32_t slot)
 {
     if (!slot)
         return false;
     const struct raster_slot *info = &o->t->slots[slot];
-    if (info->material == o->material && o->quality->rate[info->class_id] == o->rate)
+    if (info->material == o->material && pass_of(o, info) == o->pass)
         return true;
     if (!waits_for_rows(o, info))
         o->other = slot;
