@@ -5,6 +5,7 @@
 
 /* Ticks of deciding, modelled where there is no clock: a tile's share, a class's rates, a region's. */
 enum { OWN_TILE = 300, OWN_CLASS = 3000, OWN_REGION = 150 };
+#define KEPT_REGION 600u /* what a region's and class's deciding takes at most, on a clock */
 
 /* Ticks beyond the least from which on a plan is made, and rates are chosen in it: more than either takes. */
 #define PLAN_WORTH   60000u
@@ -181,7 +182,8 @@ static void shade_regions(struct tile *k, uint32_t end, uint32_t finish)
         if (p->flat_cells[i] == p->flat_cells[i + 1])
             continue; /* nothing waits there */
         const uint32_t before = elapsed(k), own = OWN_REGION * (p->count + 1);
-        const uint32_t after = budget_least_ticks(p, i + 1) + rows + finish + own * (p->survey->regions - i);
+        const uint32_t deciding = KEPT_REGION * (p->count + 1) * (p->survey->regions - i);
+        const uint32_t after = budget_least_ticks(p, i + 1) + rows + finish + deciding;
         const uint32_t left = end > before ? end - before : 0;
         struct raster_quality q = p->quality;
         budget_region_fit(&q, p, i, left > after ? left - after : 0);
@@ -298,7 +300,8 @@ static bool shade_pass(struct tile *k, bool last)
     decided(k, before, OWN_CLASS);
     const uint32_t begun = elapsed(k), left = ticks_until(k, k->limit);
     const uint32_t finish = last ? finish_ticks(k) : 0, least = budget_least_ticks(p, 0);
-    const uint32_t own = OWN_REGION * (p->count + 1) * survey->regions;
+    const uint32_t own = KEPT_REGION * (p->count + 1) * survey->regions,
+                   own_likely = OWN_REGION * (p->count + 1) * survey->regions;
     /* What an earlier pass must leave: for the levels wanted as much as it takes to fall back still, then half of what is spare. */
     const uint32_t reserve = last ? 0 : k->r->bounds[k->index].least, need = least + finish + own;
     if (!k->report->coarse && left < need + reserve)
@@ -308,16 +311,16 @@ static bool shade_pass(struct tile *k, bool last)
     for (uint32_t i = 0; i < p->count; i++)
         full = fx_add_sat(full, p->classes[i].ticks[RASTER_RATE_1X1]);
     if (spare > need + CHOICE_WORTH) {
-        const uint32_t granted = grant(k, begun + own + OWN_CLASS * p->count, full, finish);
+        const uint32_t granted = grant(k, begun + own_likely + OWN_CLASS * p->count, full, finish);
         ticks = granted > least ? granted : least;
         expected = budget_plan_choose(p, b, ticks);
         decided(k, begun, OWN_CLASS * p->count);
     } else {
         expected = budget_plan_flat(p);
     }
-    k->report->predicted = elapsed(k) + own + finish + expected;
+    k->report->predicted = elapsed(k) + own_likely + finish + expected;
     if (ticks < full && spare > need) { /* as much, and some for surprises */
-        const uint32_t wanted = elapsed(k) + own + finish + ticks / 8 * 9;
+        const uint32_t wanted = elapsed(k) + own + finish + ticks / 4 * 5;
         end = wanted < end ? wanted : end;
     }
     if (last) { /* what is kept for the tile is its own, whatever it needs */
