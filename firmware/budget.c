@@ -1,7 +1,6 @@
 #include "budget.h"
 
-#define ONE      256u /* of ratios */
-#define PRICE(i) (1u << (8 + 4 * (i)))
+#define ONE 256u /* of ratios */
 
 /* Ticks of deciding, modelled where there is no clock: a tile's share, a class's rates, a region's. */
 enum { OWN_TILE = 300, OWN_CLASS = 3000, OWN_REGION = 150 };
@@ -70,6 +69,7 @@ void budget_begin(struct budget *b, const struct hal *hal, const struct raster *
     b->learnt.lod_bias = (uint8_t)r->lod_bias;
     forget(&b->drawing_ratio);
     forget(&b->demand_ratio);
+    forget(&b->shading_ratio);
     for (uint32_t i = 0; i < BUDGET_PRICES; i++)
         forget(&b->price_ratio[i]);
     b->left = (uint64_t)mean * tiles; /* < 2^50 */
@@ -208,45 +208,35 @@ static uint32_t finish_ticks(const struct tile *k)
     return ((c->finished * pixels + c->tile - c->clear) >> RASTER_COST_BITS) + 1; /* 2^20 2^11 */
 }
 
-/* What the tiles to come and this one take at a price, or in full: PRICES. The latter's is in *own. */
-static uint64_t need_at(uint32_t *own, struct tile *k, uint32_t full, uint32_t step)
-{
-    struct budget *b = k->b;
-    const uint64_t others = times(b->demand, &b->demand_ratio, ONE);
-    *own = full;
-    if (step == BUDGET_PRICES)
-        return others + full;
-    *own = budget_ticks_at_price(b->plan.classes, b->plan.count, PRICE(step));
-    learn(&b->price_ratio[step], *own, full);
-    return times(others, &b->price_ratio[step], ONE - step * ONE / (BUDGET_PRICES + 4)) + *own;
-}
-
 /* Ticks for shading what is drawn: at the lowest price at which this and the tiles to come take what is left, or between that and the
- * next. */
+ * next; in full, if they may. */
 static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t finish)
 {
     struct budget *b = k->b;
     const uint64_t besides = times(b->drawing, &b->drawing_ratio, ONE) + b->overhead + finish + now;
     const uint64_t kept = b->least + k->r->bounds[k->index].keep + finish + now;
-    const uint64_t left = b->left > besides ? b->left - besides : 0;
-    uint32_t own, own_above;
-    uint64_t need, need_above = need_at(&own_above, k, full, BUDGET_PRICES);
-    uint32_t ticks = own_above;
+    const uint64_t others = times(b->demand, &b->demand_ratio, ONE);
+    const uint32_t takes = ratio_of(&b->shading_ratio);
+    uint64_t left = b->left > besides ? b->left - besides : 0, need_above = others + full;
+    uint32_t own[BUDGET_PRICES], own_above = full, ticks = full;
+    left += takes && takes < ONE ? (left * (ONE - takes)) >> 8 : 0; /* as is expected */
     bool found = need_above <= left;
-    for (uint32_t step = 0; step < BUDGET_PRICES; step++) { /* all, for they are learnt */
-        need = need_at(&own, k, full, step);
-        if (!found) {
-            found = need <= left;
-            ticks = own;
-            if (found && own_above > own && need_above > need) {
-                uint64_t more = left - need, range = need_above - need;
-                while (range >> 16)
-                    range >>= 1, more >>= 1;
-                ticks += (uint32_t)((uint64_t)(own_above - own) * ((uint32_t)(more << 8) / (uint32_t)range) >> 8);
-            }
+    budget_ticks_at_prices(own, b->plan.classes, b->plan.count);
+    for (uint32_t i = 0; i < BUDGET_PRICES; i++) { /* all, for they are learnt */
+        learn(&b->price_ratio[i], own[i], full);
+        if (found)
+            continue;
+        const uint64_t need = times(others, &b->price_ratio[i], ONE - i * ONE / (BUDGET_PRICES + 4)) + own[i];
+        found = need <= left;
+        ticks = own[i];
+        if (found && own_above > own[i] && need_above > need) {
+            uint64_t more = left - need, range = need_above - need;
+            while (range >> 16)
+                range >>= 1, more >>= 1;
+            ticks += (uint32_t)((uint64_t)(own_above - own[i]) * ((uint32_t)(more << 8) / (uint32_t)range) >> 8);
         }
         need_above = need;
-        own_above = own;
+        own_above = own[i];
     }
     return fx_min_u(ticks, b->left > kept ? fx_sat31(b->left - kept) : 0);
 }
@@ -330,6 +320,7 @@ static bool shade_pass(struct tile *k, bool last)
     k->report->share = end;
     const uint32_t shading = elapsed(k);
     shade_regions(k, end, finish);
+    learn(&b->shading_ratio, elapsed(k) - shading, expected);
     if (survey->point_lights)
         learn_point(b, elapsed(k) - shading, expected);
     const uint32_t used = elapsed(k) - begun, more = used > need ? used - need : 0;
@@ -351,12 +342,13 @@ static uint32_t lit_share(uint32_t old, const struct raster_stats *s)
 static void render(struct tile *k)
 {
     const struct raster_costs *c = k->r->frame.costs;
+    const uint32_t begun = elapsed(k);
     take_out(k);
     k->survey = (uint32_t)(((uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * k->r->frame.light_count +
                             c->plan) >>
                            RASTER_COST_BITS) +
                 1;
-    decided(k, 0, OWN_TILE);
+    decided(k, begun, OWN_TILE);
     none_planned(k);
     for (bool done = false; !done;) {
         const uint32_t before = elapsed(k);

@@ -51,12 +51,15 @@ struct budget_plan {
     uint32_t count, pixels;     /* classes that show; their pixels */
     uint8_t id[RASTER_CLASSES]; /* which; what follows goes by the index into this */
     struct budget_class classes[RASTER_CLASSES];
-    uint64_t materials[RASTER_CLASSES];                       /* bit for each */
-    uint8_t regions[RASTER_CLASSES][RASTER_REGION_SHIFT + 1]; /* in which they show, by raster_region_planes */
-    uint32_t first; /* bit for each class: a material is in none before; it is shaded in rows at rate 1x1 */
-    uint32_t rows;
+    uint64_t materials[RASTER_CLASSES]; /* bit for each */
+    uint8_t material_count[RASTER_CLASSES];
+    /* In which they show, by raster_region_planes; and where a material of theirs shows in none of the classes before. */
+    uint8_t regions[RASTER_CLASSES][RASTER_REGION_SHIFT + 1], first[RASTER_CLASSES][RASTER_REGION_SHIFT + 1];
+    uint32_t exact[RASTER_CLASSES]; /* pixels in regions without planes */
+    uint32_t rows;                  /* bit for each class: it is shaded in rows at rate 1x1 */
     uint8_t region_planes[RASTER_MAX_REGIONS];
-    uint32_t planes;                  /* of a block under all directional lights, 4 fraction bits */
+    uint32_t pass[RASTER_REGION_SHIFT + 1]
+                 [RASTER_RATE_FLAT];  /* for a material at a rate, by region_planes; 4 fraction bits */
     struct budget_units units, least; /* under the plan's lights, and under the fewest */
     /* From a region on, at most: at the last rung; flat, but for the meshlets' evaluations, and how many these may be. */
     uint32_t last_rung[RASTER_MAX_REGIONS + 1], flat_ticks[RASTER_MAX_REGIONS + 1], flat_cells[RASTER_MAX_REGIONS + 1];
@@ -65,7 +68,7 @@ struct budget_plan {
     struct raster_quality quality;
 };
 
-/* Prices of a tick, each sixteen times the one before. */
+/* Prices of a tick, each sixteen times the one before, from 2^-8 squared steps on. */
 #define BUDGET_PRICES 6u
 
 /* A running ratio of a frame's sums, half of the sums before, and so on. */
@@ -83,9 +86,10 @@ struct budget {
     uint64_t least, drawing, demand, overhead;
     /* What it turned out to be over what bounds said; shading at a price over shading in full. */
     struct budget_ratio drawing_ratio, demand_ratio, price_ratio[BUDGET_PRICES];
-    uint32_t lit;                /* to be expected, of 256 */
-    uint32_t point;              /* what a point light takes of what it may, to be expected, of 256 */
-    struct raster_learnt learnt; /* for the next frame's raster_begin */
+    struct budget_ratio shading_ratio; /* what shading took over what was expected of it */
+    uint32_t lit;                      /* to be expected, of 256 */
+    uint32_t point;                    /* what a point light takes of what it may, to be expected, of 256 */
+    struct raster_learnt learnt;       /* for the next frame's raster_begin */
     struct budget_plan plan;
 };
 
@@ -124,8 +128,8 @@ uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const 
 uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q);
 /* --- budget_choose.c --- */
 
-/* What all classes take where each, on its own, weighs its errors against ticks at a price: errors per 2^16 ticks. */
-uint32_t budget_ticks_at_price(const struct budget_class *classes, uint32_t count, uint32_t price);
+/* What all classes take at BUDGET_PRICES prices, where each, on its own, weighs its errors against ticks. */
+void budget_ticks_at_prices(uint32_t ticks[BUDGET_PRICES], const struct budget_class *classes, uint32_t count);
 
 /*
  * Chooses a rate for each of `count` <= RASTER_CLASSES classes: all 1x1 where `ticks` allow it, else the least summed error that takes at

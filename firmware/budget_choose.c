@@ -114,23 +114,30 @@ static uint32_t ticks_at_price(const struct options *o, uint32_t count, uint32_t
     return sum;
 }
 
-uint32_t budget_ticks_at_price(const struct budget_class *classes, uint32_t count, uint32_t price)
+/* Error and ticks at the i-th price, in units of which one is at least as large as either's last place. In: both below 2^28. */
+static uint32_t weighed(uint32_t error, uint32_t ticks, uint32_t i)
 {
-    uint32_t sum = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const struct budget_class *c = &classes[i];
-        uint64_t least = UINT64_MAX;
-        uint32_t ticks = 0;
-        for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
-            uint64_t cost = ((uint64_t)c->error[rate] << 16) + (uint64_t)c->ticks[rate] * price;
-            if (cost < least) {
-                least = cost;
-                ticks = c->ticks[rate];
+    return i < 2 ? error + (ticks >> (8 - 4 * i)) : (error >> (4 * i - 8)) + ticks;
+}
+
+void budget_ticks_at_prices(uint32_t ticks[BUDGET_PRICES], const struct budget_class *classes, uint32_t count)
+{
+    for (uint32_t i = 0; i < BUDGET_PRICES; i++)
+        ticks[i] = 0;
+    for (const struct budget_class *c = classes, *end = c + count; c != end; c++) {
+        unsigned best = RASTER_RATE_1X1;
+        for (uint32_t i = 0; i < BUDGET_PRICES; i++) {
+            uint32_t least = weighed(c->error[best], c->ticks[best], i);
+            for (unsigned rate = best + 1; rate < RASTER_RATE_COUNT; rate++) { /* the dearer a tick, the coarser */
+                const uint32_t cost = weighed(c->error[rate], c->ticks[rate], i);
+                if (cost < least) {
+                    least = cost;
+                    best = rate;
+                }
             }
+            ticks[i] = fx_add_sat(ticks[i], c->ticks[best]);
         }
-        sum = fx_add_sat(sum, ticks);
     }
-    return sum;
 }
 
 /* More than four classes: all by the lowest price that fits, then the four with most error at stake by search. Returns the ticks that the

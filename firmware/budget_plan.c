@@ -33,33 +33,26 @@ static uint64_t row_cost(const struct budget_units *u, uint32_t i, const struct 
 static void units_find(struct budget_units *u, const struct budget_plan *p, uint32_t lights)
 {
     const struct raster_costs *costs = p->r->frame.costs;
-    const uint32_t directional = fx_min_u(p->r->directional, lights),
-                   points = fx_min_u(p->survey->point_lights, lights);
-    u->lights = (uint8_t)lights;
+    const uint32_t all = fx_min_u(p->r->directional + p->survey->point_lights, lights),
+                   points = fx_min_u(p->survey->point_lights, all);
+    u->lights = (uint8_t)all;
     for (uint32_t i = 0; i < p->count; i++) {
         const struct raster_shading_cost *c = &costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
         const struct raster_shading_cost *row = &costs->shading[shading_of(p, i, RASTER_RATE_1X1)];
-        const uint32_t most = c->lit > c->dark ? c->lit : c->dark;
-        u->planes[i] = c->sample + directional * most + points * c->point;
-        u->exact[i] = c->sample + (directional + points) * c->point;
-        u->row[i] = row->sample + directional * row->lit;
+        const uint32_t lit = c->lit > c->dark ? c->lit : c->dark, point = c->point > lit ? c->point : lit;
+        u->planes[i] = c->sample + (all - points) * lit + points * point;
+        u->exact[i] = c->sample + all * point;
+        u->row[i] = row->sample + fx_min_u(p->r->directional, all) * row->lit;
         u->row_part[i] = row->material;
     }
 }
 
-/* Of an area's cells, samples and all but its passes, at a rate. */
+/* Of an area's cells and samples, all but its passes, at a rate. */
 static uint64_t area_cost(const struct budget_plan *p, const struct raster_area *area, unsigned rate, uint32_t samples,
                           uint32_t unit)
 {
-    const struct raster_costs *c = p->r->frame.costs;
-    const uint32_t filled = (uint32_t)area->pixels >> (4 + 2 * p->r->sample_shift);
-    const uint32_t mixed = area->cells > filled ? area->cells - filled : 0; /* < 2^9 */
-    const uint64_t cost = (uint64_t)samples * unit;
-    if (rate == RASTER_RATE_1X1)
-        return cost + mixed * c->run;
-    if (rate == RASTER_RATE_FLAT)
-        return cost + area->pixels * c->copied;
-    return cost + area->pixels * c->copied + area->cells * c->part + mixed * c->mixed;
+    const bool cells = rate != RASTER_RATE_1X1 && rate != RASTER_RATE_FLAT;
+    return (uint64_t)samples * unit + (cells ? area->cells * p->r->frame.costs->part : 0); /* 2^11 2^16 */
 }
 
 /* Of a class in a region, at most, but for its passes. */
@@ -88,14 +81,24 @@ static uint32_t count_bits(uint64_t x)
 }
 
 /* A region is gone through for each material once by pixels and once by cells, whatever their rates, and once for all that is flat. */
-static uint64_t pass_cost(const struct budget_plan *p, unsigned rate, unsigned planes, uint64_t materials)
+static uint64_t pass_cost(const struct budget_plan *p, unsigned rate, unsigned planes, uint32_t materials)
 {
-    const struct raster_costs *c = p->r->frame.costs;
-    const uint32_t count = count_bits(materials);
     if (rate == RASTER_RATE_FLAT)
-        return (c->flat << 2 * p->r->sample_shift) + (uint64_t)count * p->flat_planes;
-    return (uint64_t)count * (c->region + raster_region_blocks(p->r, planes, (enum raster_rate)rate) *
-                                              fx_min_u(p->planes + BLOCK_COST, 1u << 22));
+        return (p->r->frame.costs->flat << 2 * p->r->sample_shift) + (uint64_t)materials * p->flat_planes;
+    return (uint64_t)materials * p->pass[planes][rate];
+}
+
+/* In: blocks' planes. Of region_planes that there are. */
+static void passes_find(struct budget_plan *p, uint32_t planes)
+{
+    const uint32_t region = p->r->frame.costs->region, block = fx_min_u(planes + BLOCK_COST, 1u << 22);
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < p->survey->regions; i++) {
+        const unsigned k = p->region_planes[i];
+        for (unsigned rate = 0; rate < RASTER_RATE_FLAT && !(found >> k & 1); rate++)
+            p->pass[k][rate] = region + raster_region_blocks(p->r, k, (enum raster_rate)rate) * block; /* 2^8 2^22 */
+        found |= 1u << k;
+    }
 }
 
 /* Of a region's passes, at most: `materials` by the rates that they have in it. */
@@ -108,11 +111,11 @@ static uint64_t passes_cost(const struct budget_plan *p, const uint64_t material
         finest = materials[rate] ? rate : finest;
     }
     if (materials[RASTER_RATE_FLAT])
-        sum += pass_cost(p, RASTER_RATE_FLAT, planes, materials[RASTER_RATE_FLAT]);
+        sum += pass_cost(p, RASTER_RATE_FLAT, planes, count_bits(materials[RASTER_RATE_FLAT]));
     if (cells)
-        sum += pass_cost(p, finest, planes, cells);
+        sum += pass_cost(p, finest, planes, count_bits(cells));
     if (materials[RASTER_RATE_1X1])
-        sum += pass_cost(p, RASTER_RATE_1X1, planes, materials[RASTER_RATE_1X1]);
+        sum += pass_cost(p, RASTER_RATE_1X1, planes, count_bits(materials[RASTER_RATE_1X1]));
     return sum;
 }
 
@@ -123,7 +126,7 @@ static uint64_t alone_cost(const struct budget_plan *p, const struct budget_unit
     const uint64_t cost = most_cost(p, u, i, rate, region);
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
         return cost;
-    return cost + pass_cost(p, rate, p->region_planes[region], p->materials[i]);
+    return cost + pass_cost(p, rate, p->region_planes[region], p->material_count[i]);
 }
 
 /* Of all classes in a region, at most. */
@@ -178,11 +181,10 @@ uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region)
 /* From each region on: flat; and of each class the cheaper of cells of 4 x 4 and flat. */
 static void sum_last_rungs(struct budget_plan *p)
 {
-    const struct raster_costs *c = p->r->frame.costs;
     const uint32_t regions = p->survey->regions;
     p->flat_ticks[regions] = p->flat_cells[regions] = p->last_rung[regions] = 0;
     for (uint32_t region = regions; region-- > 0;) {
-        uint32_t pixels = 0, cells = 0;
+        uint32_t cells = 0;
         uint64_t materials = 0, last = 0;
         for (uint32_t i = 0; i < p->count; i++) {
             const struct raster_area *area = area_of(p, i, region);
@@ -191,14 +193,12 @@ static void sum_last_rungs(struct budget_plan *p)
             const uint64_t flat = alone_cost(p, &p->least, i, RASTER_RATE_FLAT, region);
             const uint64_t cell = alone_cost(p, &p->least, i, RASTER_RATE_4X4, region);
             last += flat < cell ? flat : cell;
-            pixels += area->pixels;
             cells += area->cells;
             materials |= p->materials[i];
         }
         p->last_rung[region] = p->last_rung[region + 1] + ticks_of(last); /* 2^3 2^28 */
-        p->flat_ticks[region] =
-            p->flat_ticks[region + 1] +
-            ticks_of((uint64_t)c->copied * pixels + (pixels ? pass_cost(p, RASTER_RATE_FLAT, 0, materials) : 0));
+        p->flat_ticks[region] = p->flat_ticks[region + 1] +
+                                (cells ? ticks_of(pass_cost(p, RASTER_RATE_FLAT, 0, count_bits(materials))) : 0);
         p->flat_cells[region] = p->flat_cells[region + 1] + cells;
     }
 }
@@ -263,34 +263,37 @@ static uint32_t light_error(const struct budget_plan *p, uint32_t lights)
     return p->pixels * 3 * steps * steps;                                      /* 2^13.6 2^12 */
 }
 
-/* What each rate of each class is expected to take under at most `lights` lights, and to err. */
+/* What each rate of each class is expected to take under at most `lights` lights, and to err. Of a sample never less than four fifths of the most,
+ * as what is lit differs from tile to tile. */
 static void expect(struct budget_plan *p, const struct budget *b, uint32_t lights)
 {
     const uint32_t lit = b->lit;
     const struct raster_survey *s = p->survey;
-    const uint32_t directional = p->r->directional, points = s->point_lights, all = directional + points,
-                   n = fx_min_u(lights, all), likely = all ? directional * n / all : 0;
+    const uint32_t directional = p->r->directional, all = directional + s->point_lights, n = fx_min_u(lights, all),
+                   likely = all ? directional * n / all : 0;
+    units_find(&p->units, p, lights);
     for (uint32_t i = 0; i < p->count; i++) {
         const struct raster_area *total = &s->total[p->id[i]];
         const struct raster_shading_cost *c = &p->r->frame.costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
+        const uint32_t part = (p->exact[i] << 8) / total->pixels; /* 2^13 2^8 */
         const uint32_t planes = c->sample + (likely * (c->lit * lit + c->dark * (256 - lit)) >> 8) +
                                 ((n - likely) * c->point * b->point >> 8); /* 2^7 2^11 2^8; 2^7 2^15 2^8 */
         const uint32_t exact = c->sample + (n * c->point * b->point >> 8);
-        uint32_t regions = 0;
-        for (unsigned k = 0; k <= RASTER_REGION_SHIFT; k++)
-            regions += p->regions[i][k];
-        const uint32_t unit = (planes * (regions - p->regions[i][0]) + exact * p->regions[i][0]) / regions;
+        const uint32_t most = p->units.planes[i] * (256 - part) + p->units.exact[i] * part; /* 2^22 2^8 */
+        const uint32_t expected = planes * (256 - part) + exact * part;
+        const uint32_t least = most / 5 * 4, unit = (expected > least ? expected : least) >> 8;
         uint32_t samples[RASTER_RATE_COUNT];
         raster_samples_likely(samples, p->r, s, p->id[i], total);
         if (!p->last)
             samples[RASTER_RATE_1X1] = total->pixels;
+        uint64_t passes[RASTER_RATE_COUNT] = {0};
+        for (unsigned k = 0; k <= RASTER_REGION_SHIFT; k++) /* classes of one material share them */
+            for (unsigned rate = 0; rate < RASTER_RATE_COUNT && p->first[i][k]; rate++)
+                passes[rate] += p->first[i][k] * pass_cost(p, rate, k, 1);
         for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
-            uint64_t cost = area_cost(p, total, rate, samples[rate],
-                                      rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
-            /* Classes of one material share passes; some blocks are larger than a region's smallest. */
-            for (unsigned k = 0; k <= RASTER_REGION_SHIFT && p->first >> i & 1; k++)
-                if (p->regions[i][k])
-                    cost += p->regions[i][k] * pass_cost(p, rate, k, 1) / (k == RASTER_REGION_SHIFT ? 1 : 2);
+            uint64_t cost =
+                passes[rate] + area_cost(p, total, rate, samples[rate],
+                                         rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
             if (!rate && p->rows >> i & 1)
                 cost = row_cost(&p->units, i, total);
             p->classes[i].ticks[rate] = ticks_of(cost);
@@ -304,23 +307,33 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
 {
     const struct raster_survey *s = p->survey;
     const struct raster_costs *c = p->r->frame.costs;
-    uint64_t materials[RASTER_CLASSES] = {0}, seen = 0;
+    uint64_t materials[RASTER_CLASSES] = {0}, seen[RASTER_MAX_REGIONS] = {0};
     uint32_t planes = 0, flat = 0, flat_planes = 0;
     for (uint32_t i = 1; i <= s->slots; i++)
         if (work->m.shading.pixels[i])
             materials[work->slots[i].class_id] |= (uint64_t)1 << work->slots[i].material;
-    p->count = p->pixels = p->first = p->rows = 0;
+    p->count = p->pixels = p->rows = 0;
     for (uint32_t id = 0; id < s->classes; id++) {
         const uint32_t i = p->count;
         if (!s->total[id].pixels)
             continue;
         p->id[p->count++] = (uint8_t)id;
         p->materials[i] = materials[id];
+        p->material_count[i] = (uint8_t)count_bits(materials[id]);
         p->pixels += s->total[id].pixels;
+        p->exact[i] = 0;
         __builtin_memset(p->regions[i], 0, sizeof p->regions[i]);
-        for (uint32_t region = 0; region < s->regions; region++)
-            if (s->area[id][region].pixels)
-                p->regions[i][p->region_planes[region]]++;
+        __builtin_memset(p->first[i], 0, sizeof p->first[i]);
+        for (uint32_t region = 0; region < s->regions; region++) {
+            if (!s->area[id][region].pixels)
+                continue;
+            const unsigned k = p->region_planes[region];
+            p->regions[i][k]++;
+            p->exact[i] += k ? 0 : s->area[id][region].pixels;
+            if (materials[id] & ~seen[region])
+                p->first[i][k]++;
+            seen[region] |= materials[id];
+        }
         const struct raster_shading_cost *k = &c->shading[shading_of(p, i, RASTER_RATE_4X4)];
         planes = k->material > planes ? k->material : planes;
         const uint32_t each = raster_flat_cost(p->r, s->material[id], s->point_lights);
@@ -329,11 +342,8 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
         flat_planes = more > flat_planes ? more : flat_planes;
         if (p->r->in_rows[s->material[id]])
             p->rows |= 1u << i;
-        if (materials[id] & ~seen)
-            p->first |= 1u << i;
-        seen |= materials[id];
     }
-    p->planes = planes * p->r->directional;
+    passes_find(p, planes * p->r->directional);
     p->flat_each = ticks_of(flat);
     p->flat_planes = flat_planes;
 }
@@ -345,21 +355,14 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
     p->r = r;
     p->survey = s;
     p->last = last;
-    for (uint32_t i = 0; i < s->regions; i++) {
-        uint32_t pixels = 0;
-        for (uint32_t c = 0; c < s->classes; c++)
-            pixels |= s->area[c][i].pixels;
-        p->region_planes[i] = pixels ? (uint8_t)raster_region_planes(r, rect, i) : RASTER_REGION_SHIFT;
-    }
+    for (uint32_t i = 0; i < s->regions; i++)
+        p->region_planes[i] = (uint8_t)raster_region_planes(r, rect, i);
     list_classes(p, work);
-    units_find(&p->units, p, RASTER_ALL_LIGHTS);
-    p->least = p->units;
-    if (r->directional + s->point_lights > RASTER_LEAST_LIGHTS)
-        units_find(&p->least, p, RASTER_LEAST_LIGHTS);
-    else
-        p->units.lights = p->least.lights = RASTER_LEAST_LIGHTS;
-    sum_last_rungs(p);
     expect(p, b, RASTER_ALL_LIGHTS);
+    p->least = p->units;
+    if (p->units.lights > RASTER_LEAST_LIGHTS)
+        units_find(&p->least, p, RASTER_LEAST_LIGHTS);
+    sum_last_rungs(p);
 }
 
 uint32_t budget_plan_flat(struct budget_plan *p)
@@ -377,9 +380,8 @@ static uint32_t more_passes(const struct budget_plan *p)
     uint64_t known[3] = {0}, cost = 0; /* materials, by pixels, by cells, flat */
     for (uint32_t i = 0; i < p->count; i++) {
         const unsigned rate = p->classes[i].rate, kind = rate == RASTER_RATE_FLAT ? 2 : rate != RASTER_RATE_1X1;
-        const uint32_t each = kind == 2 ? p->r->frame.costs->flat : p->r->frame.costs->region;
-        for (unsigned k = 0; k <= RASTER_REGION_SHIFT && !(p->first >> i & 1) && p->materials[i] & ~known[kind]; k++)
-            cost += (uint64_t)p->regions[i][k] * each;
+        for (unsigned k = 0; k <= RASTER_REGION_SHIFT && p->materials[i] & ~known[kind]; k++)
+            cost += (p->regions[i][k] - p->first[i][k]) * pass_cost(p, rate, k, 1);
         known[kind] |= p->materials[i];
     }
     return ticks_of(cost);
@@ -404,13 +406,11 @@ uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint3
             continue; /* fewer lights may fit */
         least = error;
         expected = fx_add_sat(sum, more_passes(p));
-        p->quality.lights = ladder[step];
+        p->quality = (struct raster_quality){.lights = ladder[step]}; /* 1x1 of what does not show */
         for (uint32_t i = 0; i < p->count; i++)
             p->quality.rate[p->id[i]] = p->classes[i].rate;
     }
-    if (p->quality.lights == RASTER_LEAST_LIGHTS)
-        p->units = p->least;
-    else if (p->quality.lights < RASTER_ALL_LIGHTS)
+    if (p->units.lights != fx_min_u(p->quality.lights, all))
         units_find(&p->units, p, p->quality.lights);
     return expected;
 }

@@ -31,8 +31,9 @@ struct binner {
     uint32_t run_count, run_limit;
     struct newest *window; /* NULL: runs are stored; else counted, in the tiles from window_first on */
     uint32_t window_first;
-    uint16_t *heads;  /* where they are stored */
-    bool at_coarsest; /* every object is taken at its last level, for coarse_heads */
+    uint16_t *heads;             /* where they are stored */
+    bool at_coarsest;            /* every object is taken at its last level, for coarse_heads */
+    struct raster_extent extent; /* of the object in hand, with bounds */
 };
 
 /* Tiles a meshlet touches, and its class. */
@@ -302,9 +303,8 @@ static void bin_object(struct binner *b, const struct raster_object *o, uint32_t
 {
     const struct scene_lod *lod = choose_level(b, o);
     const struct raster_bounds *bounds = b->window ? NULL : b->r->frame.bounds;
-    struct raster_extent extent;
     if (bounds && !b->at_coarsest)
-        bounds->object(&extent, b->r, o);
+        bounds->object(&b->extent, b->r, o);
     for (uint32_t k = 0; k < lod->meshlet_count && !b->full; k++) {
         uint32_t id = lod->meshlet_first + k;
         const struct scene_meshlet *m = &b->r->frame.scene->meshlets[id];
@@ -313,7 +313,7 @@ static void bin_object(struct binner *b, const struct raster_object *o, uint32_t
             continue;
         bin_meshlet(b, index, id, &c);
         if (bounds)
-            bounds->meshlet(b->r, b->at_coarsest ? NULL : &extent, o, m, &c.tiles, c.nearest, c.flags, c.cut);
+            bounds->meshlet(b->r, b->at_coarsest ? NULL : &b->extent, o, m, &c.tiles, c.nearest, c.flags, c.cut);
     }
 }
 
@@ -351,7 +351,7 @@ static void store_bins(struct binner *b)
     for (uint32_t t = 0; t < raster_tile_count(r) * (r->bounds ? 2 : 1); t++)
         r->heads[t] = 0; /* coarse_heads follow */
     if (r->bounds) {
-        r->frame.bounds->clear(r);
+        r->frame.bounds->clear(r, &b->extent);
         b->heads = r->coarse_heads;
         b->at_coarsest = true;
         bin_objects(b);

@@ -13,13 +13,8 @@ static uint32_t cost_ticks(uint64_t cost)
     return cost < UINT32_MAX ? (uint32_t)cost : UINT32_MAX;
 }
 
-void raster_bounds_clear(struct raster *r)
-{
-    for (uint32_t t = 0; t < raster_tile_count(r); t++)
-        r->bounds[t] = (struct raster_tile_bound){0};
-}
-
-struct magnitude raster_corner_secant(const struct raster_frame *f)
+/* 1/cos(phi) at the picture's corner, at most: 1 + tan^2(phi)/2. */
+static struct magnitude find_corner_secant(const struct raster_frame *f)
 {
     const uint32_t w = f->width, h = f->height;
     const struct magnitude inverse = magnitude_inverse(magnitude_of((uint64_t)h * f->camera->focal));
@@ -28,6 +23,13 @@ struct magnitude raster_corner_secant(const struct raster_frame *f)
     struct magnitude secant = magnitude_of((1u << 16) + (uint64_t)magnitude_above(tan2));
     secant.e -= 16;
     return secant;
+}
+
+static void clear_bounds(struct raster *r, struct raster_extent *e)
+{
+    for (uint32_t t = 0; t < raster_tile_count(r); t++)
+        r->bounds[t] = (struct raster_tile_bound){0};
+    e->corner_secant = find_corner_secant(&r->frame);
 }
 
 /* Of one sample at full quality; lights reach about five in eight of what they are tried on, point lights one in four. */
@@ -42,13 +44,12 @@ static uint32_t full_cost(const struct raster *r, uint32_t material)
     return sum < UINT32_MAX ? (uint32_t)sum : UINT32_MAX;
 }
 
-void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o,
-                         struct magnitude corner_secant)
+static void bound_object(struct raster_extent *e, const struct raster *r, const struct raster_object *o)
 {
     uint64_t square = 0; /* of the length of X's row: of rotation times scale; entries below 2^31 */
     for (int j = 0; j < 3; j++)
         square += (uint64_t)((int64_t)o->row[0][j] * o->row[0][j]);
-    e->length = magnitude_mul(magnitude_root(magnitude_of(square)), corner_secant);
+    e->length = magnitude_mul(magnitude_root(magnitude_of(square)), e->corner_secant);
     /* half sub-pixels times W, with ROW_BITS fraction bits: raster_project */
     e->length.e += 29 - o->shift_xy - ROW_BITS - 9;
     e->pixel_cost = full_cost(r, o->material);
@@ -63,7 +64,16 @@ static uint64_t fill_cost(const struct raster_costs *c, uint32_t facing, uint32_
                           (uint64_t)c->general_tested * tested;
 }
 
-void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
+/* A meshlet in any one tile. */
+struct load {
+    uint32_t ticks;           /* at most */
+    uint32_t setup;           /* of the ticks: for every triangle */
+    uint32_t triangles, rows; /* in all tiles; the latter of triangles about as wide as high */
+    uint32_t shown;           /* pixels^2 in all tiles, at most */
+};
+
+/* In: nearest, the box's least depth in W; whether it is drawn by small.c, and whether it may have to be clipped. */
+static void find_load(struct load *load, const struct raster *r, const struct raster_extent *e,
                       const struct raster_object *o, const struct scene_meshlet *m, int32_t nearest, bool small,
                       bool cut)
 {
@@ -77,13 +87,12 @@ void raster_load_find(struct raster_load *load, const struct raster *r, const st
     const uint32_t half = (magnitude_above(magnitude_mul(unit, magnitude_of(scene_size(m->perimeter)))) >> 1) + 1;
     const uint32_t sum = fx_add_sat_u(half, triangles), all = triangles * (RASTER_TILE_HEIGHT * (cut ? FAN : 1));
     const uint32_t rows = cut || sum > all ? all : sum; /* what clipping adds has edges of its own */
-    const uint32_t tested = fx_add_sat_u(load->shown, sum), whole = triangles * RASTER_TILE_PIXELS;
-    load->tested = tested < whole ? tested : whole;
-    const uint64_t triangle = (uint64_t)c->triangle + (small ? 0 : c->general) + (cut ? c->clipped : 0);
+    const uint32_t tested = fx_min_u(fx_add_sat_u(load->shown, sum), triangles * RASTER_TILE_PIXELS);
+    const uint64_t triangle = (uint64_t)c->triangle + (small ? 0 : c->general);
     const uint64_t setup = c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles;
     load->setup = cost_ticks(setup);
     /* Thin triangles of any meshlet may be filled in general coordinates. */
-    load->ticks = cost_ticks(setup + fill_cost(c, cut ? FAN * triangles : triangles, rows, load->tested, true));
+    load->ticks = cost_ticks(setup + fill_cost(c, cut ? FAN * triangles : triangles, rows, tested, true));
     load->rows = fx_min_u(half, all);
     load->triangles = triangles;
 }
@@ -190,7 +199,7 @@ static void bound_triangle(struct raster_tile_bound *b, const struct raster *r, 
     const uint32_t tested = !rows ? 0 : fx_min_u(columns * rows, fx_add_sat_u(box->area, columns + rows - 1));
     /* A fan's triangles do not overlap. */
     const uint64_t cost =
-        cut ? c->clipped + fill_cost(c, FAN, FAN * rows, tested, true) : fill_cost(c, 1, rows, tested, box->general);
+        cut ? fill_cost(c, FAN, FAN * rows, tested, true) : fill_cost(c, 1, rows, tested, box->general);
     b->least = fx_add_sat_u(b->least, cost_ticks(cost));
     b->pixels = fx_add_sat_u(b->pixels, tested);
     if (tested)
@@ -199,7 +208,8 @@ static void bound_triangle(struct raster_tile_bound *b, const struct raster *r, 
                                 RASTER_REGION_SHIFT + r->sample_shift));
 }
 
-void raster_bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
+/* Adds a meshlet of the coarsest levels to the tiles that it touches. */
+static void bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
                          const struct raster_tiles *tiles, uint32_t flags)
 {
     const struct raster_costs *c = r->frame.costs;
@@ -225,8 +235,8 @@ void raster_bound_coarse(struct raster *r, const struct raster_object *o, const 
     }
 }
 
-/* Of what may be filled about half is: triangles that face away, rows and edges that no pixel centre is in. */
-void raster_bound_wanted(struct raster *r, const struct raster_load *load, const struct raster_extent *e,
+/* Adds one of the levels wanted. Of what may be filled about half is: triangles that face away, rows and edges that no pixel centre is in. */
+static void bound_wanted(struct raster *r, const struct load *load, const struct raster_extent *e,
                          const struct raster_tiles *tiles)
 {
     const uint32_t count = (uint32_t)(tiles->x1 - tiles->x0 + 1) * (uint32_t)(tiles->y1 - tiles->y0 + 1);
@@ -310,7 +320,7 @@ uint32_t raster_min_tile_budget(struct raster *r)
             ((uint64_t)b->passes << 2 * r->sample_shift) + (passes ? (passes - 1) * RASTER_MAX_REGIONS : 0);
         b->least = fx_add_sat_u(b->least, cost_ticks((uint64_t)c->tile + c->clear + (uint64_t)c->finished * pixels +
                                                      (uint64_t)flat * b->meshlets + regions * (c->flat + flat_planes) +
-                                                     passes * (pass + (uint64_t)c->copied * pixels)));
+                                                     passes * pass));
         const uint32_t shown = fx_min_u(b->shown, RASTER_TILE_PIXELS);
         b->overhead = cost_ticks((uint64_t)c->tile + c->plan + (uint64_t)c->survey * RASTER_TILE_PIXELS +
                                  (uint64_t)c->finished * shown);
@@ -351,22 +361,16 @@ static uint32_t find_keeps(struct raster *r)
     return need;
 }
 
-static void bound_object(struct raster_extent *e, const struct raster *r, const struct raster_object *o)
-{
-    raster_extent_setup(e, r, o, raster_corner_secant(&r->frame));
-}
-
 static void bound_meshlet(struct raster *r, const struct raster_extent *e, const struct raster_object *o,
                           const struct scene_meshlet *m, const struct raster_tiles *tiles, int32_t nearest,
                           uint32_t flags, bool cut)
 {
-    const bool small = flags & VISIBLE_SMALL;
-    struct raster_load load;
+    struct load load;
     if (!e) {
-        raster_bound_coarse(r, o, m, tiles, flags);
+        bound_coarse(r, o, m, tiles, flags);
     } else {
-        raster_load_find(&load, r, e, o, m, nearest, small, cut);
-        raster_bound_wanted(r, &load, e, tiles);
+        find_load(&load, r, e, o, m, nearest, flags & VISIBLE_SMALL, cut);
+        bound_wanted(r, &load, e, tiles);
     }
 }
 
@@ -384,4 +388,4 @@ static bool takes_too_much(struct raster *r, uint32_t bias)
     return budget < least + need;
 }
 
-const struct raster_bounds raster_tile_bounds = {raster_bounds_clear, bound_object, bound_meshlet, takes_too_much};
+const struct raster_bounds raster_tile_bounds = {clear_bounds, bound_object, bound_meshlet, takes_too_much};

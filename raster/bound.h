@@ -24,21 +24,16 @@ struct raster_tiles {
 
 /* Of an object, for its meshlets. */
 struct raster_extent {
-    struct magnitude length; /* pixels per vertex unit, times W */
-    uint32_t pixel_cost;     /* of a pixel shaded at full quality, estimated; ticks, 4 fraction bits */
-};
-
-/* A meshlet in any one tile. */
-struct raster_load {
-    uint32_t ticks, tested;   /* at most */
-    uint32_t setup;           /* of the ticks: for every triangle */
-    uint32_t triangles, rows; /* in all tiles; the latter of triangles about as wide as high */
-    uint32_t shown;           /* pixels^2 in all tiles, at most */
+    struct magnitude corner_secant; /* of the frame: 1/cos(phi) at the picture's corner, at most */
+    struct magnitude length;        /* pixels per vertex unit, times W */
+    uint32_t pixel_cost;            /* of a pixel shaded at full quality, estimated; ticks, 4 fraction bits */
 };
 
 /* What bin.c calls, of frames that have it. */
 struct raster_bounds {
-    void (*clear)(struct raster *r);
+    /* Before all meshlets. Out: of *e what is the frame's. */
+    void (*clear)(struct raster *r, struct raster_extent *e);
+    /* Before those of an object, but for the coarsest levels. */
     void (*object)(struct raster_extent *e, const struct raster *r, const struct raster_object *o);
     /* Adds a meshlet, with its VISIBLE_* flags, to the tiles that it touches; e NULL: one of the coarsest levels. In: nearest, the box's
      * least depth in W; whether it may have to be clipped. */
@@ -50,21 +45,6 @@ struct raster_bounds {
     bool (*too_much)(struct raster *r, uint32_t bias);
 };
 
-void raster_bounds_clear(struct raster *r);
-/* 1/cos(phi) at the picture's corner, at most: 1 + tan^2(phi)/2. */
-struct magnitude raster_corner_secant(const struct raster_frame *f);
-void raster_extent_setup(struct raster_extent *e, const struct raster *r, const struct raster_object *o,
-                         struct magnitude corner_secant);
-/* In: nearest, the box's least depth in W; whether it is drawn by small.c, and whether it may have to be clipped. */
-void raster_load_find(struct raster_load *load, const struct raster *r, const struct raster_extent *e,
-                      const struct raster_object *o, const struct scene_meshlet *m, int32_t nearest, bool small,
-                      bool cut);
-/* Adds a meshlet of the coarsest levels to the tiles that it touches. In: its VISIBLE_* flags. */
-void raster_bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
-                         const struct raster_tiles *tiles, uint32_t flags);
-/* Adds one of the levels wanted. */
-void raster_bound_wanted(struct raster *r, const struct raster_load *load, const struct raster_extent *e,
-                         const struct raster_tiles *tiles);
 /* The least tile_budget that the frame can be given: adds to each tile's `least` what it takes besides drawing, once, and returns the mean,
  * rounded up. */
 uint32_t raster_min_tile_budget(struct raster *r);

@@ -12,17 +12,42 @@ struct output {
     uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
 };
 
-/* A run of finished pixels. */
-static void put_run(const struct output *o, uint32_t x, uint32_t y, const uint32_t *values, uint32_t count)
+/* Finished pixels from the tile's `at`-th on; values are `step` words apart. */
+static void put_run(const struct output *o, uint32_t at, const uint32_t *value, uint32_t step, uint32_t count)
 {
     if (o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface + y * o->width + x;
-        for (const uint32_t *end = values + count; values != end; values++)
-            *out++ = (uint16_t)*values;
+        uint16_t *out = (uint16_t *)o->t->surface + at;
+        for (; count; count--, value += step)
+            *out++ = (uint16_t)*value;
         return;
     }
-    for (uint32_t i = 0; i < count; i++)
-        raster_store_pixel(o->r, o->t, y * o->width + x + i, values[i]);
+    uint8_t *out = (uint8_t *)o->t->surface + 3 * at;
+    for (; count; count--, value += step, out += 3) {
+        const uint32_t v = *value;
+        out[0] = (uint8_t)v;
+        out[1] = (uint8_t)(v >> 8);
+        out[2] = (uint8_t)(v >> 16);
+    }
+}
+
+/* The same of one value, three words at a time. */
+static void fill_run(const struct output *o, uint32_t at, uint32_t value, uint32_t count)
+{
+    const bool narrow = o->r->frame.format == RASTER_RGB565;
+    const uint32_t group = narrow ? 6 : 4, first = fx_min_u(count, (narrow ? at : 0 - at) % (narrow ? 2 : 4));
+    const uint32_t w[3] = {narrow ? value | value << 16 : value | value << 24,
+                           narrow ? value | value << 16 : value >> 8 | value << 16,
+                           narrow ? value | value << 16 : value >> 16 | value << 8};
+    put_run(o, at, &value, 0, first);
+    at += first;
+    count -= first;
+    uint32_t *out = &o->t->surface->depth_slot + (narrow ? at / 2 : at / 4 * 3);
+    for (; count >= group; count -= group, at += group, out += 3) {
+        out[0] = w[0];
+        out[1] = w[1];
+        out[2] = w[2];
+    }
+    put_run(o, at, &value, 0, count);
 }
 
 /* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
@@ -56,23 +81,23 @@ static uint32_t run_length(const struct output *o, uint32_t x, uint32_t y)
     return end - x;
 }
 
-/* Pixels without a slot from x on: background, or shaded before. Returns where they end. */
+/* Pixels without a slot from x on: shaded before, or background. Returns where they end. */
 static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
                           struct raster_stats *stats)
 {
-    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-    const uint32_t width = o->width;
-    for (; x < width && row[x].depth_slot && !raster_slot_of(&row[x]); x++, stats->covered++)
-        raster_store_pixel(o->r, o->t, y * width + x, row[x].normal);
-    if (o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface + y * width + x;
-        for (; x < width && !row[x].depth_slot; x++)
-            *out++ = (uint16_t)background;
-    } else {
-        for (; x < width && !row[x].depth_slot; x++)
-            raster_store_pixel(o->r, o->t, y * width + x, background);
-    }
-    return x;
+    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH, *s = row + x, *end = row + o->width;
+    const uint32_t at = y * o->width;
+    while (s != end && s->depth_slot && !raster_slot_of(s))
+        s++;
+    const uint32_t shaded = (uint32_t)(s - row);
+    stats->covered += shaded - x;
+    put_run(o, at + x, &row[x].normal, 2, shaded - x);
+    while (end - s >= 4 && !(s[0].depth_slot | s[1].depth_slot | s[2].depth_slot | s[3].depth_slot))
+        s += 4;
+    while (s != end && !s->depth_slot)
+        s++;
+    fill_run(o, at + shaded, background, (uint32_t)(s - row) - shaded);
+    return (uint32_t)(s - row);
 }
 
 static void finish_rows(const struct output *o, struct raster_stats *stats)
@@ -88,7 +113,7 @@ static void finish_rows(const struct output *o, struct raster_stats *stats)
             }
             uint32_t count = run_length(o, x, y);
             stats->covered += count;
-            put_run(o, x, y, shade_run(o, raster_slot_of(&row[x]), x, y, count, stats), count);
+            put_run(o, y * o->width + x, shade_run(o, raster_slot_of(&row[x]), x, y, count, stats), 1, count);
             x += count;
         }
     }

@@ -216,19 +216,6 @@ static inline uint8_t raster_value_format(const struct raster *r)
     return r->sample_shift ? RASTER_RGB888 : r->frame.format;
 }
 
-/* A finished pixel of the tile to where its pixels begin. */
-static inline void raster_store_pixel(const struct raster *r, struct raster_tile *t, uint32_t index, uint32_t value)
-{
-    if (r->frame.format == RASTER_RGB565) {
-        ((uint16_t *)t->surface)[index] = (uint16_t)value;
-    } else {
-        uint8_t *out = (uint8_t *)t->surface + 3 * index;
-        out[0] = (uint8_t)value;
-        out[1] = (uint8_t)(value >> 8);
-        out[2] = (uint8_t)(value >> 16);
-    }
-}
-
 /* shade.c: shades what waits for it and is not shaded in rows, at full quality. No survey is needed. */
 void raster_shade_regions(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats);

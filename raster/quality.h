@@ -109,7 +109,6 @@ struct raster_costs {
     uint32_t vertex;   /* transform */
     uint32_t triangle; /* one of a meshlet, facing or not */
     uint32_t general;  /* what it takes more in a meshlet too large or too deep for 16-bit coordinates */
-    uint32_t clipped;  /* ... in one that reaches behind the near plane or far out of the picture */
     uint32_t facing;   /* ... in one that faces the eye */
     uint32_t row;      /* of a triangle's pixels */
     uint32_t tested;   /* a pixel whose depth is compared */
@@ -117,13 +116,10 @@ struct raster_costs {
         general_tested; /* ... what these take more in a triangle that is large, thin or sharply bent */
     uint32_t survey;    /* a surface counted */
     uint32_t light;     /* a light tried in a survey */
-    uint32_t region;    /* gone through, once for each material and rate, with its first block */
+    uint32_t region;    /* gone through, for each material once by pixels and once by cells, with its first block */
     uint32_t flat;      /* gone through at rate flat, once for all materials */
     uint32_t part;      /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
-    uint32_t mixed;     /* what it takes more beside others */
-    uint32_t run;       /* the same where every pixel is shaded */
-    uint32_t copied;    /* a pixel of a cell or meshlet that is shaded once */
-    uint32_t finished;  /* a pixel packed */
+    uint32_t finished;  /* a pixel of a surface packed */
     uint32_t plan;      /* what is found out after a survey, before rates are chosen */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a meshlet in a cell of 4 x 4 pixels */

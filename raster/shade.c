@@ -209,13 +209,12 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
     block.scaled = false;
     t->batch.count = 0;
     raster_choose_lights(r, t, q->lights);
-    o.other = find_slot(&o, x, y);
-    if (o.other && r->frame.parts->cells)
-        r->frame.parts->cells->choose(&o);
-    while (o.other) {
+    for (o.other = find_slot(&o, x, y); o.other;) {
         set_material(&o, t->slots[o.other].material);
         o.pass = pass_of(&o, &t->slots[o.other]);
         o.other = 0;
+        if (o.pass == PASS_CELLS || r->sample_shift)
+            r->frame.parts->cells->choose(&o);
         if (o.pass == PASS_FLAT)
             r->frame.parts->cells->flat(&o, x, y, stats);
         else

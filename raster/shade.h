@@ -1,5 +1,5 @@
 /*
- * Shading of a region's surfaces of one material and rate: what shade.c and cells.c share.
+ * Shading of a region's surfaces of one material in one pass: what shade.c and cells.c share.
  */
 #ifndef RASTER_SHADE_H
 #define RASTER_SHADE_H

@@ -143,8 +143,8 @@ static void fit_free(struct fit *f)
 /* --- the table --- */
 
 struct table {
-    double tile, clear, meshlet, vertex, triangle, general, clipped, facing, row, tested, general_facing, general_row,
-        general_tested, survey, light, region, flat, part, mixed, run, copied, finished;
+    double tile, clear, meshlet, vertex, triangle, general, facing, row, tested, general_facing, general_row,
+        general_tested, survey, light, region, flat, part, finished;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -174,18 +174,18 @@ static void fit_drawing(struct table *t, const struct lines *all)
         const struct line *l = &all->line[i];
         const double *v = l->v, fan = 6; /* triangles that one is cut into */
         if (is(l, "clip"))
-            at_least(&t->clipped, (l->ticks - t->meshlet - t->vertex * v[0] - t->tested * v[5]) / v[1] - t->triangle -
-                                      t->general - t->facing * fan);
+            at_least(&t->general, (l->ticks - t->meshlet - t->vertex * v[0] - t->tested * v[5]) / v[1] - t->triangle -
+                                      t->facing * fan);
     }
     fit_free(&f);
 }
 
-enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, PART, MIXED, RUN, SHADE_VARIABLES };
+enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, PART, SHADE_VARIABLES };
 
 /* Rate flat, under RASTER_LEAST_LIGHTS point lights: an upper bound of any kind's. */
 static void fit_flat(struct table *t, const struct lines *all)
 {
-    struct fit f = {.variables = KINDS + 2};
+    struct fit f = {.variables = KINDS + 1};
     double most;
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
@@ -194,7 +194,6 @@ static void fit_flat(struct table *t, const struct lines *all)
             continue;
         counts[(int)l->v[0]] = l->v[2];
         counts[KINDS] = l->v[7];
-        counts[KINDS + 1] = l->v[5];
         fit_add(&f, l->ticks, counts);
     }
     fit_solve(&f, "flat", &most);
@@ -203,7 +202,6 @@ static void fit_flat(struct table *t, const struct lines *all)
     for (int k = 0; k < KINDS; k++)
         t->shading[k].flat = f.x[k];
     t->flat = f.x[KINDS];
-    t->copied = f.x[KINDS + 1];
     fit_free(&f);
 }
 
@@ -229,20 +227,13 @@ static void fit_general(struct table *t, const struct lines *all)
 static void shade_counts(double counts[MAX_VARIABLES], const double v[COLUMNS], unsigned directional)
 {
     const int rate = (int)v[1];
-    const double samples = v[2], pixels = v[5], parts = v[6], blocks = v[7];
+    const double samples = v[2], parts = v[6], blocks = v[7];
     double *own = counts + 4 * (int)v[0];
     memset(counts, 0, MAX_VARIABLES * sizeof *counts);
     own[0] = blocks * directional, own[1] = samples, own[2] = v[3], own[3] = v[4];
     counts[REGION] = blocks;
-    counts[rate ? MIXED : RUN] = fmax(parts - floor(pixels / 16), 0);
     if (rate)
         counts[PART] = parts;
-}
-
-/* What copying leaves. */
-static double shade_ticks(const struct table *t, const struct line *l)
-{
-    return l->ticks - (l->v[1] ? t->copied * l->v[5] : 0);
 }
 
 static bool is_regular(const struct line *l)
@@ -258,7 +249,7 @@ static void fit_shading(struct table *t, const struct lines *all)
         const struct line *l = &all->line[i];
         if (is_regular(l) && l->v[5] >= LARGE) {
             shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
-            fit_add(&f, shade_ticks(t, l), counts);
+            fit_add(&f, l->ticks, counts);
         }
     }
     double most;
@@ -268,9 +259,9 @@ static void fit_shading(struct table *t, const struct lines *all)
         if (!is_regular(l))
             continue;
         shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
-        at_least(&f.x[REGION], f.x[REGION] + (shade_ticks(t, l) - fit_at(&f, counts)) / l->v[7]);
+        at_least(&f.x[REGION], f.x[REGION] + (l->ticks - fit_at(&f, counts)) / l->v[7]);
     }
-    t->region = f.x[REGION], t->part = f.x[PART], t->mixed = f.x[MIXED], t->run = f.x[RUN];
+    t->region = f.x[REGION], t->part = f.x[PART];
     for (int k = 0; k < KINDS; k++) {
         const double *x = f.x + 4 * k;
         t->shading[k].planes = x[0], t->shading[k].sample = x[1], t->shading[k].lit = x[2], t->shading[k].dark = x[3];
@@ -282,37 +273,53 @@ static void fit_shading(struct table *t, const struct lines *all)
             continue;
         shade_counts(counts, l->v, 0);
         counts[4 * k + 2] = counts[4 * k + 3] = 0;
-        at_least(&t->shading[k].point, (shade_ticks(t, l) - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
+        at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
     }
     fit_free(&f);
 }
 
-/* Clearing, surveys, packing, and what is shaded in rows. */
-static void fit_rest(struct table *t, const struct lines *all)
+/* Clearing, surveys and packing. */
+static void fit_packing(struct table *t, const struct lines *all)
 {
-    struct fit f = {.variables = 8};
+    struct fit f = {.variables = 2};
     double clear = 0;
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
-        const double *v = l->v;
         if (is(l, "survey")) {
-            at_least(&clear, v[0]);
+            at_least(&clear, l->v[0]);
             at_least(&t->survey, l->ticks / RASTER_TILE_PIXELS);
-        } else if (is(l, "finish")) {
-            double counts[MAX_VARIABLES] = {v[4] / RASTER_TILE_PIXELS, v[0]};
-            if (v[1])
-                for (int k = 0; k < 3; k++)
-                    counts[(v[1] == RASTER_SHADE_DIFFUSE_ROW ? 2 : 5) + k] = v[k < 2 ? 2 + k : 5];
-            fit_add(&f, l->ticks, counts);
+        } else if (is(l, "finish") && !l->v[1]) {
+            fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){l->v[4] / RASTER_TILE_PIXELS, l->v[0]});
         }
     }
     double most;
-    fit_scale(&f, fmax(fit_solve(&f, "finish", &most), 1));
+    fit_solve(&f, "finish", &most);
+    for (size_t i = 0; i < f.count; i++) /* short runs of pixels take more */
+        at_least(&f.x[0], f.x[0] + (f.ticks[i] - fit_at(&f, f.counts[i])) / f.counts[i][0]);
     t->clear = clear;
     t->tile = clear + f.x[0];
     t->finished = f.x[1];
+    fit_free(&f);
+}
+
+/* What is shaded in rows, while it is packed. */
+static void fit_rows(struct table *t, const struct lines *all)
+{
+    struct fit f = {.variables = 6};
+    for (size_t i = 0; i < all->count; i++) {
+        const struct line *l = &all->line[i];
+        const double *v = l->v;
+        double counts[MAX_VARIABLES] = {0};
+        if (!is(l, "finish") || !v[1] || v[2] < LARGE)
+            continue;
+        for (int k = 0; k < 3; k++)
+            counts[(v[1] == RASTER_SHADE_DIFFUSE_ROW ? 0 : 3) + k] = v[k < 2 ? 2 + k : 5];
+        fit_add(&f, l->ticks - (t->tile - t->clear) * v[4] / RASTER_TILE_PIXELS - t->finished * v[0], counts);
+    }
+    double most;
+    fit_scale(&f, fit_solve(&f, "rows", &most));
     for (int k = 0; k < 2; k++) {
-        const double *x = f.x + 2 + 3 * k;
+        const double *x = f.x + 3 * k;
         t->shading[KINDS + k].sample = x[0];
         t->shading[KINDS + k].lit = t->shading[KINDS + k].dark = x[1];
         t->shading[KINDS + k].planes = x[2];
@@ -347,7 +354,6 @@ static void print_table(const struct table *t, const char *target)
     print_cost("vertex", t->vertex);
     print_cost("triangle", t->triangle);
     print_cost("general", t->general);
-    print_cost("clipped", t->clipped);
     print_cost("facing", t->facing);
     print_cost("row", t->row);
     print_cost("tested", t->tested);
@@ -359,9 +365,6 @@ static void print_table(const struct table *t, const char *target)
     print_cost("region", t->region);
     print_cost("flat", t->flat);
     print_cost("part", t->part);
-    print_cost("mixed", t->mixed);
-    print_cost("run", t->run);
-    print_cost("copied", t->copied);
     print_cost("finished", t->finished);
     print_cost("plan", PLAN);
     printf("    .shading =\n        {\n");
@@ -383,7 +386,8 @@ int main(int argc, char **argv)
     fit_general(&t, &all);
     fit_flat(&t, &all);
     fit_shading(&t, &all);
-    fit_rest(&t, &all);
+    fit_packing(&t, &all);
+    fit_rows(&t, &all);
     print_table(&t, argv[1]);
     free(all.line);
     return EXIT_OK;

@@ -29,7 +29,7 @@ run() { # target kind scenes frames
         LIMIT=250 tests/board/run.sh "$1" "$B/board/$1/budget.elf" "$work/in"
 }
 for target in $targets; do
-    over=0 late=0 differ=0 tiles=0 problems='' wrong=''
+    over=0 late=0 differ=0 tiles=0 problems=''
     for what in "random 64 13" one_tile\ 1\ 8 slivers\ 1\ 8 lights\ 1\ 8 interleaved\ 1\ 8 inside\ 1\ 8; do
         read -r kind scenes frames <<<"$what"
         said=$(run "$target" "$kind" "$scenes" "$frames" 2>&1)
@@ -41,7 +41,8 @@ for target in $targets; do
         tiles=$((tiles + t)) over=$((over + o)) late=$((late + l)) differ=$((differ + d))
         [ "$o$l$d" = 000 ] || problems+="$kind: $o of $t tiles over, $l frames, $d differ"$'\n'
         [ "$kind" != random ] || [ "$p99" -le 1100 ] || problems+="$kind: spent over predicted $p99 thousandths at 99 %"$'\n'
-        [ "$most" -le 1250 ] || wrong+="$kind: spent over predicted up to $most thousandths"$'\n'
+        [ "$kind" != random ] || [ "$own" -le 20000 ] || problems+="$kind: deciding takes $own millionths of budgets"$'\n'
+        [ "$most" -le 1250 ] || problems+="$kind: spent over predicted up to $most thousandths"$'\n'
         case=$kind
         [ $kind != random ] || case=all
         row "$target" $case budget_used_median "$(part "$median" 1000)" 1
@@ -52,8 +53,7 @@ for target in $targets; do
     done
     row "$target" all tiles_over_budget $over tiles
     row "$target" all tiles $tiles tiles
-    claim "no_tile_of_${tiles}_takes_more_than_its_share_and_generous_budgets_change_no_bit_on_$target" "$problems"
-    sed 's/^\(..*\)/# missed: \1/' <<<"$wrong" # the goal is 1250; DESIGN.md, "Calibration, and budgets by real clocks"
+    claim "no_tile_of_${tiles}_takes_more_than_its_share_or_a_quarter_more_than_predicted_and_generous_budgets_change_no_bit_on_$target" "$problems"
     [ -n "${GONIOTILE_ROWS-}" ] || continue
     # The still picture of six models, when half or a quarter of what its shading takes at full quality is left for it.
     "$B/board/make_input" "$target" "$work/in" picture 0 "$B/demo/six_models.blob" "${six[@]}"

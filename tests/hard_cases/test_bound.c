@@ -64,7 +64,7 @@ struct sums {
 /* One tick for each pixel tested: the bound is of their number. */
 static const struct raster_costs of_tested = {.tested = 16};
 static const struct raster_costs of_meshlets = {.meshlet = 16};
-static const struct raster_costs of_triangles = {.triangle = 16, .clipped = 5 * 16};
+static const struct raster_costs of_triangles = {.facing = 16};
 
 /* In: a frame whose objects have one level: what is drawn is the coarsest. */
 static struct sums frame_within_bounds(const struct raster_frame *f)

@@ -89,13 +89,13 @@ static void set_camera(uint32_t index)
         camera.near = (uq16_16_t)(camera.eye[2] < 0 ? -camera.eye[2] : camera.eye[2]);
 }
 
-/* `directional` of the scene's lights around, then point lights near its middle. */
+/* `directional` coloured lights (white ones take less in rows), then point lights near its middle. */
 static uint32_t set_lights(uint32_t directional, uint32_t points)
 {
     static const q2_30_t direction[3][3] = {
         {619925131, 619925131, 619925131}, {-759250125, 0, 759250125}, {0, -759250125, 759250125}};
     for (uint32_t i = 0; i < directional; i++) {
-        lights[i] = (struct scene_light){.kind = SCENE_LIGHT_DIRECTIONAL, .irradiance = {1 << 16, 1 << 16, 1 << 16}};
+        lights[i] = (struct scene_light){.kind = SCENE_LIGHT_DIRECTIONAL, .irradiance = {1 << 16, 15 << 12, 7 << 13}};
         for (int k = 0; k < 3; k++)
             lights[i].direction[k] = direction[i][k];
     }
@@ -135,7 +135,7 @@ static uint32_t count_rows(const struct raster_object *o, const struct scene_mes
     const int32_t x = (int32_t)(tile % raster.tiles_x), y = (int32_t)(tile / raster.tiles_x);
     const struct raster_tiles one = {x, y, x, y};
     b->least = 0;
-    raster_bound_coarse(&raster, o, m, &one, VISIBLE_SMALL);
+    raster_tile_bounds.meshlet(&raster, NULL, o, m, &one, 0, VISIBLE_SMALL, false);
     const uint32_t rows = b->least;
     *b = kept;
     return rows;
