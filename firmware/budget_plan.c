@@ -387,6 +387,16 @@ static uint32_t more_passes(const struct budget_plan *p)
     return ticks_of(cost);
 }
 
+/* Flat is for where cells of 4 x 4 do not fit: it errs most, is the least certain, and its pass comes on top of the others'. */
+static void leave_flat_out(struct budget_plan *p, uint32_t ticks)
+{
+    uint32_t cells = 0;
+    for (uint32_t i = 0; i < p->count; i++)
+        cells = fx_add_sat(cells, p->classes[i].ticks[RASTER_RATE_4X4]);
+    for (uint32_t i = 0; i < p->count && cells <= ticks; i++)
+        p->classes[i].ticks[RASTER_RATE_FLAT] = p->classes[i].ticks[RASTER_RATE_4X4];
+}
+
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks)
 {
     static const uint8_t ladder[] = {RASTER_ALL_LIGHTS, 16, RASTER_LEAST_LIGHTS};
@@ -398,6 +408,7 @@ uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint3
                 continue;
             expect(p, b, ladder[step]);
         }
+        leave_flat_out(p, ticks);
         uint32_t error = budget_choose(p->classes, p->count, ticks), sum = 0;
         for (uint32_t i = 0; i < p->count; i++)
             sum = fx_add_sat(sum, p->classes[i].ticks[p->classes[i].rate]);

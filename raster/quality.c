@@ -7,6 +7,8 @@
 #include "block.h"
 
 #define ONE_SHIFT 10
+/* Of a pixel whose meshlet is flat, though it has no contrast: its normal and view are not the frame's and the region's. */
+#define FLAT_ERROR 360u
 
 uint8_t raster_cell_shift(const struct raster *r, unsigned rate, unsigned axis)
 {
@@ -45,10 +47,10 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
     static const uint8_t factor[RASTER_RATE_FLAT] = {0, 18, 36, 68, 97};
     /* A meshlet is a cell, too: of a x a pixels, as many as 4 x 4 are 97. */
     const uint32_t flat = s->meshlets[class_id] ? 6u * s->total[class_id].pixels / s->meshlets[class_id] : 0;
-    const uint64_t error = (uint64_t)s->detail[class_id] * (rate != RASTER_RATE_FLAT ? factor[rate]
-                                                            : flat < 120             ? 120
-                                                                                     : flat) >>
-                           4;
+    const uint32_t sixteenths = rate != RASTER_RATE_FLAT ? factor[rate] : flat > 120 ? flat : 120;
+    uint64_t error = (uint64_t)s->detail[class_id] * sixteenths >> 4;
+    if (rate == RASTER_RATE_FLAT)
+        error += FLAT_ERROR * s->total[class_id].pixels; /* 2^9 2^13 */
     return error < 1u << 28 ? (uint32_t)error : 1u << 28;
 }
 

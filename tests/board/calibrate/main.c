@@ -128,14 +128,14 @@ static void begin(uint32_t light_count, uint8_t samples)
     checked(raster_begin(&raster, &frame, arena, sizeof arena) == RASTER_OK, "no frame");
 }
 
-/* Rows that a meshlet's triangles have in a tile. */
-static uint32_t count_rows(const struct raster_object *o, const struct scene_meshlet *m, uint32_t tile)
+/* Rows that a meshlet's triangles have in a tile. In: its VISIBLE_* flags. */
+static uint32_t count_rows(const struct raster_object *o, const struct scene_meshlet *m, uint32_t flags, uint32_t tile)
 {
     struct raster_tile_bound *b = &raster.bounds[tile], kept = *b;
     const int32_t x = (int32_t)(tile % raster.tiles_x), y = (int32_t)(tile / raster.tiles_x);
     const struct raster_tiles one = {x, y, x, y};
     b->least = 0;
-    raster_tile_bounds.meshlet(&raster, NULL, o, m, &one, 0, VISIBLE_SMALL, false);
+    raster_tile_bounds.meshlet(&raster, NULL, o, m, &one, 0, flags, false);
     const uint32_t rows = b->least;
     *b = kept;
     return rows;
@@ -171,7 +171,7 @@ static void draw(uint32_t tile, struct raster_stats *stats, bool print)
         report_number("", m->triangle_count);
         report_number("", (id & VISIBLE_SMALL) != 0);
         report_number("", stats->triangles - before.triangles);
-        report_number("", count_rows(o, m, tile));
+        report_number("", count_rows(o, m, id, tile));
         report_number("", stats->tested - before.tested);
         report_text("\n");
     }
