@@ -241,7 +241,7 @@ struct raster_light_box {
 };
 
 /* Of a tile that is drawn. Its meshlets are sorted into classes, which get a rate each: by how they are shaded, and by contrast. */
-#define RASTER_CLASSES 8u
+#define RASTER_CLASSES 7u /* one for every way of shading, at least; more take longer to choose for than they gain */
 struct raster_survey {
     uint32_t regions;                 /* of the tile, row-major */
     uint32_t slots;                   /* taken: the most that a flat tile evaluates */

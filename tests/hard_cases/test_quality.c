@@ -28,7 +28,7 @@ static void show_mixed(struct shown *out, const struct raster_frame *f, enum ras
     assert_int_equal(raster_begin(&r, f, arena, sizeof arena), RASTER_OK);
     struct raster_quality q = {.lights = lights};
     memset(q.rate, rate, sizeof q.rate);
-    memset(q.rate + RASTER_CLASSES / 2, other, RASTER_CLASSES / 2);
+    memset(q.rate + RASTER_CLASSES / 2, other, sizeof q.rate - RASTER_CLASSES / 2);
     for (uint32_t t = 0; t < raster_tile_count(&r); t++) {
         struct raster_rect rect;
         struct raster_stats stats;
