@@ -52,9 +52,8 @@ struct budget_plan {
     uint8_t id[RASTER_CLASSES]; /* which; what follows goes by the index into this */
     struct budget_class classes[RASTER_CLASSES];
     uint64_t materials[RASTER_CLASSES]; /* bit for each */
-    uint8_t material_count[RASTER_CLASSES];
-    /* In which they show, by raster_region_planes; and where a material of theirs shows in none of the classes before. */
-    uint8_t regions[RASTER_CLASSES][RASTER_REGION_SHIFT + 1], first[RASTER_CLASSES][RASTER_REGION_SHIFT + 1];
+    /* In which they show, by raster_region_planes: where a material of theirs shows in none of the classes before; and others. */
+    uint8_t first[RASTER_CLASSES][RASTER_REGION_SHIFT + 1], shared[RASTER_CLASSES][RASTER_REGION_SHIFT + 1];
     uint32_t exact[RASTER_CLASSES]; /* pixels in regions without planes */
     uint32_t rows;                  /* bit for each class: it is shaded in rows at rate 1x1 */
     uint8_t region_planes[RASTER_MAX_REGIONS];

@@ -126,7 +126,7 @@ static uint64_t alone_cost(const struct budget_plan *p, const struct budget_unit
     const uint64_t cost = most_cost(p, u, i, rate, region);
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
         return cost;
-    return cost + pass_cost(p, rate, p->region_planes[region], p->material_count[i]);
+    return cost + pass_cost(p, rate, p->region_planes[region], count_bits(p->materials[i]));
 }
 
 /* Of all classes in a region, at most. */
@@ -319,19 +319,19 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
             continue;
         p->id[p->count++] = (uint8_t)id;
         p->materials[i] = materials[id];
-        p->material_count[i] = (uint8_t)count_bits(materials[id]);
         p->pixels += s->total[id].pixels;
         p->exact[i] = 0;
-        __builtin_memset(p->regions[i], 0, sizeof p->regions[i]);
+        __builtin_memset(p->shared[i], 0, sizeof p->shared[i]);
         __builtin_memset(p->first[i], 0, sizeof p->first[i]);
         for (uint32_t region = 0; region < s->regions; region++) {
             if (!s->area[id][region].pixels)
                 continue;
             const unsigned k = p->region_planes[region];
-            p->regions[i][k]++;
             p->exact[i] += k ? 0 : s->area[id][region].pixels;
             if (materials[id] & ~seen[region])
                 p->first[i][k]++;
+            else
+                p->shared[i][k]++;
             seen[region] |= materials[id];
         }
         const struct raster_shading_cost *k = &c->shading[shading_of(p, i, RASTER_RATE_4X4)];
@@ -381,7 +381,7 @@ static uint32_t more_passes(const struct budget_plan *p)
     for (uint32_t i = 0; i < p->count; i++) {
         const unsigned rate = p->classes[i].rate, kind = rate == RASTER_RATE_FLAT ? 2 : rate != RASTER_RATE_1X1;
         for (unsigned k = 0; k <= RASTER_REGION_SHIFT && p->materials[i] & ~known[kind]; k++)
-            cost += (p->regions[i][k] - p->first[i][k]) * pass_cost(p, rate, k, 1);
+            cost += p->shared[i][k] * pass_cost(p, rate, k, 1);
         known[kind] |= p->materials[i];
     }
     return ticks_of(cost);

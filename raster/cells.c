@@ -292,19 +292,6 @@ static inline uint32_t spread(uint32_t bgr)
     return (bgr & 0xff) | (bgr & 0xff00) << 2 | (bgr & 0xff0000) << 4;
 }
 
-/* A finished pixel of the tile to where its pixels begin. */
-static void store_pixel(const struct raster *r, struct raster_tile *t, uint32_t index, uint32_t value)
-{
-    if (r->frame.format == RASTER_RGB565) {
-        ((uint16_t *)t->surface)[index] = (uint16_t)value;
-    } else {
-        uint8_t *out = (uint8_t *)t->surface + 3 * index;
-        out[0] = (uint8_t)value;
-        out[1] = (uint8_t)(value >> 8);
-        out[2] = (uint8_t)(value >> 16);
-    }
-}
-
 /* The mean of each pixel's four samples. */
 static void finish_samples(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                            struct raster_stats *stats)
@@ -321,7 +308,8 @@ static void finish_samples(const struct raster *r, struct raster_tile *t, const 
             }
             stats->covered += covered != 0;
             uint32_t bgr = (sum >> 2 & 0xff) | (sum >> 4 & 0xff00) | (sum >> 6 & 0xff0000);
-            store_pixel(r, t, y * rect->width + x, raster_pack(bgr, r->frame.format));
+            const uint32_t value = raster_pack(bgr, r->frame.format);
+            raster_put_pixels(r, t, y * rect->width + x, &value, 1, 1);
         }
 }
 

@@ -12,25 +12,7 @@ struct output {
     uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
 };
 
-/* Finished pixels from the tile's `at`-th on; values are `step` words apart. */
-static void put_run(const struct output *o, uint32_t at, const uint32_t *value, uint32_t step, uint32_t count)
-{
-    if (o->r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)o->t->surface + at;
-        for (; count; count--, value += step)
-            *out++ = (uint16_t)*value;
-        return;
-    }
-    uint8_t *out = (uint8_t *)o->t->surface + 3 * at;
-    for (; count; count--, value += step, out += 3) {
-        const uint32_t v = *value;
-        out[0] = (uint8_t)v;
-        out[1] = (uint8_t)(v >> 8);
-        out[2] = (uint8_t)(v >> 16);
-    }
-}
-
-/* The same of one value, three words at a time. */
+/* Pixels of one value from the tile's `at`-th on, three words at a time. */
 static void fill_run(const struct output *o, uint32_t at, uint32_t value, uint32_t count)
 {
     const bool narrow = o->r->frame.format == RASTER_RGB565;
@@ -38,7 +20,7 @@ static void fill_run(const struct output *o, uint32_t at, uint32_t value, uint32
     const uint32_t w[3] = {narrow ? value | value << 16 : value | value << 24,
                            narrow ? value | value << 16 : value >> 8 | value << 16,
                            narrow ? value | value << 16 : value >> 16 | value << 8};
-    put_run(o, at, &value, 0, first);
+    raster_put_pixels(o->r, o->t, at, &value, 0, first);
     at += first;
     count -= first;
     uint32_t *out = &o->t->surface->depth_slot + (narrow ? at / 2 : at / 4 * 3);
@@ -47,7 +29,7 @@ static void fill_run(const struct output *o, uint32_t at, uint32_t value, uint32
         out[1] = w[1];
         out[2] = w[2];
     }
-    put_run(o, at, &value, 0, count);
+    raster_put_pixels(o->r, o->t, at, &value, 0, count);
 }
 
 /* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
@@ -91,7 +73,7 @@ static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t 
         s++;
     const uint32_t shaded = (uint32_t)(s - row);
     stats->covered += shaded - x;
-    put_run(o, at + x, &row[x].normal, 2, shaded - x);
+    raster_put_pixels(o->r, o->t, at + x, &row[x].normal, 2, shaded - x);
     while (end - s >= 4 && !(s[0].depth_slot | s[1].depth_slot | s[2].depth_slot | s[3].depth_slot))
         s += 4;
     while (s != end && !s->depth_slot)
@@ -113,7 +95,8 @@ static void finish_rows(const struct output *o, struct raster_stats *stats)
             }
             uint32_t count = run_length(o, x, y);
             stats->covered += count;
-            put_run(o, y * o->width + x, shade_run(o, raster_slot_of(&row[x]), x, y, count, stats), 1, count);
+            raster_put_pixels(o->r, o->t, y * o->width + x, shade_run(o, raster_slot_of(&row[x]), x, y, count, stats),
+                              1, count);
             x += count;
         }
     }

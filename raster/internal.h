@@ -216,6 +216,25 @@ static inline uint8_t raster_value_format(const struct raster *r)
     return r->sample_shift ? RASTER_RGB888 : r->frame.format;
 }
 
+/* Finished pixels from the tile's `at`-th on to where its pixels begin; values are `step` words apart. */
+static inline void raster_put_pixels(const struct raster *r, struct raster_tile *t, uint32_t at, const uint32_t *value,
+                                     uint32_t step, uint32_t count)
+{
+    if (r->frame.format == RASTER_RGB565) {
+        uint16_t *out = (uint16_t *)t->surface + at;
+        for (; count; count--, value += step)
+            *out++ = (uint16_t)*value;
+        return;
+    }
+    uint8_t *out = (uint8_t *)t->surface + 3 * at;
+    for (; count; count--, value += step, out += 3) {
+        const uint32_t v = *value;
+        out[0] = (uint8_t)v;
+        out[1] = (uint8_t)(v >> 8);
+        out[2] = (uint8_t)(v >> 16);
+    }
+}
+
 /* shade.c: shades what waits for it and is not shaded in rows, at full quality. No survey is needed. */
 void raster_shade_regions(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                           struct raster_stats *stats);

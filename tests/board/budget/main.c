@@ -7,7 +7,7 @@
  * and of one scene alone, when still, at parts of what its shading takes at full quality besides all else:
  *   full fixed N shading N least N frame N                      ticks of a frame: all else, shading, and of one made without steps, culling and
  *                                                               binning included; the least budget
- *   half|quarter|given budget N lod N coarse N spent N shading N frame N squares N   per tile; per frame: ticks, what of them is beyond `fixed`, those of a frame
+ *   half|quarter|given budget N lod N coarse N spent N shading N frame N own N squares N   per tile; per frame: ticks, what of them is beyond `fixed`, those of a frame
  *                                                               with culling and binning, squared errors summed; the picture is left behind the full one
  * or of that scene with all surfaces at one rate, for each:
  *   rate N shading N samples N lit N hash H                     ticks; surfaces and pixel-lights evaluated; of the picture
@@ -136,7 +136,7 @@ static void order_tiles(uint8_t order[TILES], bool largest_last)
 }
 
 struct frame {
-    uint64_t spent, squares;
+    uint64_t spent, own, squares;
     uint32_t hash;
     bool reduced;
 };
@@ -146,7 +146,6 @@ static struct frame render(uint32_t mean, bool compare, bool largest_last)
 {
     uint8_t order[TILES];
     struct frame f = {.hash = REPORT_HASH_START};
-    uint64_t own = 0;
     checked(begin(mean) == RASTER_OK, "no frame");
     if (mean)
         budget_begin(&budget, &hal, &raster, mean);
@@ -170,7 +169,7 @@ static struct frame render(uint32_t mean, bool compare, bool largest_last)
         }
         if (!mean)
             continue;
-        own += report.own;
+        f.own += report.own;
         tiles++;
         over += report.spent > report.share;
         coarse += report.coarse;
@@ -184,7 +183,7 @@ static struct frame render(uint32_t mean, bool compare, bool largest_last)
     if (f.reduced) {
         reduced_frames++;
         add(&used, f.spent, (uint64_t)mean * TILES);
-        own_ticks += own;
+        own_ticks += f.own;
         reduced_ticks += (uint64_t)mean * TILES;
     }
     return f;
@@ -309,6 +308,7 @@ static void report_part(const char *name, uint32_t mean, uint32_t fixed)
     report_number("spent", (uint32_t)f.spent);
     report_number("shading", f.spent > fixed ? (uint32_t)f.spent - fixed : 0);
     report_number("frame", ticks);
+    report_number("own", (uint32_t)f.own);
     report_number("squares", (uint32_t)f.squares);
     report_text("\n");
 }
