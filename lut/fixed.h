@@ -102,6 +102,16 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
+/* The nearest of 0 .. 2^bits - 1; bits is a constant. */
+#ifdef __ARM_FEATURE_SAT
+#define fx_clamp_bits(x, bits) ((uint32_t)__builtin_arm_usat(x, bits))
+#else
+static inline uint32_t fx_clamp_bits(int32_t x, unsigned bits)
+{
+    return (uint32_t)fx_clamp(x, 0, (int32_t)((1u << bits) - 1));
+}
+#endif
+
 /* ~2^61 / x for a normalised x >= 2^31. Out: 2^29 .. 2^30, relative error <= 2^-27: one 16-bit division and one Newton
  * step, whose square of the first error (2^-15) is what remains. */
 static inline uint32_t fx_recip(uint32_t x)

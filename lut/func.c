@@ -82,34 +82,3 @@ uint32_t lut_turn(int32_t y, int32_t x)
     a = x < 0 ? (1u << 27) - a : a;
     return (y < 0 ? (1u << 28) - a : a) & ((1u << 28) - 1);
 }
-
-uint8_t lut_srgb8(uq12_20_t linear)
-{
-    if (linear <= 3282) {                                        /* 0.0031308 */
-        return (uint8_t)((linear * 843418u + (1u << 27)) >> 28); /* 255 * 12.92 * 2^8; below 2^32 */
-    }
-    if (linear >= 1u << 20) {
-        return 255;
-    }
-    unsigned z = fx_clz(linear); /* 12..20 */
-    uint32_t m = linear << z;
-    uint32_t i = m >> 25 & 63;
-    uint32_t a = func_srgb_power[i], b = func_srgb_power[i + 1];
-    uint32_t p = (a << 12) + (b - a) * (m >> 13 & 4095);  /* 1.0 = 2^27, below 2^28 */
-    uint32_t y = fx_mulhi_u(p, func_srgb_octave[z - 12]); /* 1.0 = 2^17 */
-    return (uint8_t)((y - 1838285u + (1u << 16)) >> 17);  /* 255 * 0.055 * 2^17 */
-}
-
-uint32_t lut_aces_curve(uint32_t v)
-{
-    /* The offset makes the steps uniform near zero, where the curve is a parabola. */
-    if (v > (1u << 25) - (1u << 16) - 1)
-        v = (1u << 25) - (1u << 16) - 1;
-    uint32_t x = v + (1u << 16); /* [2^16, 2^25) */
-    unsigned z = fx_clz(x);      /* 7..15 */
-    uint32_t m = x << z;
-    uint32_t i = (15 - z) * 32 + (m >> 26 & 31);
-    uint32_t a = func_aces[i], b = func_aces[i + 1];
-    uint32_t f = m >> 11 & 0x7fff;
-    return ((a << 15) + (b - a) * f + (1u << 9)) >> 10; /* below 2^30.1 before the shift */
-}

@@ -1,7 +1,7 @@
 /*
  * Elementary functions by table and interpolation, in integers.
  *
- * Purpose   what shading needs: roots, logarithms, angles, the display transfer curves.
+ * Purpose   what shading needs: roots, logarithms, angles.
  * Limits    every function is total on the stated range, and its largest error is stated; the tables are
  *           constant data (1.3 KB). lut_exp2_neg, lut_srgb8 and lut_aces_curve are monotone; the others are so
  *           but for steps back well below their error.
@@ -34,15 +34,5 @@ uint32_t lut_angle_from_sin2_half(uint32_t s2);
 /* Azimuth of (x, y): atan2(y, x) mapped to a full turn. In: any. Out: [0, 2^28), a full
  * turn = 2^28; (0,0) gives 0. Error <= 0.001 degrees; exact on the axes. */
 uint32_t lut_turn(int32_t y, int32_t x);
-
-/* sRGB encode (IEC 61966-2-1) to 8 bits, rounded to nearest. In: linear, 1.0 = 2^20; values above are white.
- * Out: 0..255; differs from the exact rounded value only where that lies within 0.005 of a tie. */
-uint8_t lut_srgb8(uq12_20_t linear);
-
-/* The rational tone curve of Hill's ACES fit, RRT+ODT: y = (v(v+a)-b)/(v(c v+d)+e), at least 0.
- * In: v with 1.0 = 2^20; above 31.9 as at 31.9, where y is 1.0033 (the limit is 1.0165). Out: 1.0 = 2^20.
- * Error <= 1e-4 absolute below that.
- * a = 0.0245786, b = 0.000090537, c = 0.983729, d = 0.4329510, e = 0.238081 (Hill, BakingLab ACES.hlsl, 2016). */
-uint32_t lut_aces_curve(uint32_t v);
 
 #endif

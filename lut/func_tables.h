@@ -1,5 +1,5 @@
 /*
- * Node values of the elementary functions in func.h: private to lut/func.c and its test.
+ * Node values of the elementary functions in func.h: private to lut/func.c, display.h and their test.
  *
  * Every entry is its formula rounded to the nearest integer; tests/unit/test_func.c recomputes all of them in
  * double precision. Tables with a guard node at each end have one entry before the first node and one after
@@ -26,14 +26,17 @@ extern const int32_t func_angle[12];
 /* [i] = 2^28 atan((i-1)/16) / 2pi, guarded */
 extern const int32_t func_atan[19];
 
-/* [i] = 2^15 (1 + i/64)^(1/2.4) */
-extern const uint16_t func_srgb_power[65];
+/* [i]: the nearest to 2^31 (1 + i/64)^(1/2.4) whose 12 low bits are 2^-12 of what it is to the next node */
+extern const uint32_t func_srgb_power[64];
 
-/* [i] = 2^22 * 255 * 1.055 * 2^(-(i+1)/2.4): the factor of the octave [2^-(i+1), 2^-i) */
+/* [i] = 2^23 * 255 * 1.055 * 2^(-(i+1)/2.4): the factor of the octave [2^-(i+1), 2^-i) */
 extern const uint32_t func_srgb_octave[9];
 
-/* [32 o + s] = 2^15 aces(2^(o-4) (1 + s/32) - 2^-4), the curve of lut_aces_curve clamped to 0..1; the last
- * entry is at 2^5 - 2^-4 */
-extern const uint16_t func_aces[289];
+/*
+ * [16 o + s]: the curve of lut_aces_curve at x = 2^(o-4) (1 + s/16) - 2^-4, raised by half of what the chord to the next node errs in the
+ * middle. The nearest to 2^30 of that whose 12 low bits are 2^-15 of the rise to the next node, an eighth less and rounded down: the next
+ * node is never below the chord's end.
+ */
+extern const uint32_t func_aces[145];
 
 #endif

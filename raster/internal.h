@@ -280,8 +280,8 @@ uint32_t raster_diffuse_colour(uq16_16_t kd, uq16_16_t irradiance);
 /* tone.c: exposed linear radiance of `count` pixels to finished ones in `format`, each in 32 bits: RGB565, or 0x00BBGGRR for RGB888. In
  * place: out may be where radiance is. */
 void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count, uint8_t tone_curve, uint8_t format);
-/* tone_wide.c, where RASTER_WIDE: lut_srgb8 of `count` values, and of what follows them up to a multiple of eight. */
-void raster_srgb_wide(uint8_t code[3 * RASTER_BATCH], const uq12_20_t *linear, uint32_t count);
+/* tone_wide.c, where RASTER_WIDE: lut_srgb8 of `count` signed values, and of what follows them up to a multiple of eight. */
+void raster_srgb_wide(uint8_t code[3 * RASTER_BATCH], const uint32_t *linear, uint32_t count);
 /* Display bytes 0x00BBGGRR in `format`. */
 uint32_t raster_pack(uint32_t bgr, uint8_t format);
 uint32_t raster_background(const struct raster_frame *f, uint8_t format);

@@ -3,36 +3,48 @@
  * SCENE_TONE_LINEAR.
  *
  * SCENE_TONE_ACES is Stephen Hill's fit of the ACES RRT and sRGB ODT (BakingLab, ACES.hlsl, 2016): a matrix into the
- * fit's space, a rational curve per channel, a matrix back. Matrices in Q16.
+ * fit's space, a rational curve per channel, a matrix back.
  */
 #include "internal.h"
-#include "func.h"
+#include "display.h"
 
-static const int32_t aces_in[9] = {
-    39137, 23238, 3161,  /* 0.59719 0.35458 0.04823 */
-    4981,  59529, 1026,  /* 0.07600 0.90834 0.01566 */
-    1861,  8771,  54904, /* 0.02840 0.13383 0.83777 */
+/* 1.0 = 2^32: the high word of a row's products has the operand's unit. Rows sum to 1. */
+static const uint32_t aces_in[9] = {
+    2564911519, 1522909504, 207146273,  /* 0.59719 0.35458 0.04823 */
+    326417514,  3901290594, 67259188,   /* 0.07600 0.90834 0.01566 */
+    121977071,  574795473,  3598194752, /* 0.02840 0.13383 0.83777 */
 };
+/* 1.0 = 2^22: from the curve's 2^30 to 2^20. Magnitudes in a row sum below 2^24. */
 static const int32_t aces_out[9] = {
-    105169, -34805, -4828, /* 1.60475 -0.53108 -0.07367 */
-    -6690,  72622,  -396,  /* -0.10208 1.10813 -0.00605 */
-    -214,   -4768,  70518, /* -0.00327 -0.07276 1.07602 */
+    6730809, -2227511, -308994, /* 1.60475 -0.53108 -0.07367 */
+    -428155, 4647834,  -25376,  /* -0.10208 1.10813 -0.00605 */
+    -13715,  -305178,  4513155, /* -0.00327 -0.07276 1.07602 */
 };
 
-static void apply_aces(uint32_t c[3])
+static inline uint32_t curve(const uint32_t row[3], const uint32_t c[3])
 {
-    int32_t curve[3];
-    for (int i = 0; i < 3; i++) { /* < 2^32, rows sum to 2^16 */
-        uint64_t x = ((uint64_t)c[0] * (uint32_t)aces_in[3 * i] + (uint64_t)c[1] * (uint32_t)aces_in[3 * i + 1] +
-                      (uint64_t)c[2] * (uint32_t)aces_in[3 * i + 2]) >>
-                     16;
-        curve[i] = (int32_t)lut_aces_curve(x > UINT32_MAX ? UINT32_MAX : (uint32_t)x); /* <= 2^20 */
-    }
-    for (int i = 0; i < 3; i++) { /* |coefficients| sum below 2^18: 2^38 */
-        int64_t x = ((int64_t)curve[0] * aces_out[3 * i] + (int64_t)curve[1] * aces_out[3 * i + 1] +
-                     (int64_t)curve[2] * aces_out[3 * i + 2]) >>
-                    16;
-        c[i] = x < 0 ? 0 : (uint32_t)x;
+    return lut_aces_curve(
+        (uint32_t)(((uint64_t)c[0] * row[0] + (uint64_t)c[1] * row[1] + (uint64_t)c[2] * row[2]) >> 32));
+}
+
+static inline int32_t linear(const int32_t row[3], uint32_t red, uint32_t green, uint32_t blue)
+{
+    return (int32_t)(((int64_t)(int32_t)red * row[0] + (int64_t)(int32_t)green * row[1] +
+                      (int64_t)(int32_t)blue * row[2]) >>
+                     32);
+}
+
+/* To signed numbers in the same place. */
+static void apply_aces(uint32_t *c, const uint32_t *end)
+{
+    const uint32_t *in = aces_in;
+    const int32_t *out = aces_out;
+    __asm__("" : "+r"(in), "+r"(out)); /* in memory, two to an instruction, instead of 18 constants */
+    for (; c != end; c += 3) {
+        const uint32_t red = curve(in, c), green = curve(in + 3, c), blue = curve(in + 6, c);
+        c[0] = (uint32_t)linear(out, red, green, blue);
+        c[1] = (uint32_t)linear(out + 3, red, green, blue);
+        c[2] = (uint32_t)linear(out + 6, red, green, blue);
     }
 }
 
@@ -49,11 +61,8 @@ uint32_t raster_pack(uint32_t bgr, uint8_t format)
     return pack(bgr & 255, bgr >> 8 & 255, bgr >> 16 & 255, format);
 }
 
-/* One of 2^bits levels of equal width, white at 2^20 and above. Signed, for it is one instruction on ARM then. */
-static inline uint32_t quantise(uq12_20_t x, unsigned bits)
-{
-    return (uint32_t)fx_clamp((int32_t)x >> (20 - bits), 0, (1 << bits) - 1);
-}
+/* One of 2^bits levels of equal width, white at 2^20 and above. */
+#define quantise(x, bits) fx_clamp_bits((int32_t)(x) >> (20 - (bits)), bits)
 
 void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count, uint8_t tone_curve, uint8_t format)
 {
@@ -69,21 +78,17 @@ void raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_t count
         }
         return;
     }
+    if (tone_curve == SCENE_TONE_ACES)
+        apply_aces(radiance[0], radiance[count]);
 #ifdef RASTER_WIDE
-    if (tone_curve == SCENE_TONE_NONE) {
-        uint8_t code[3 * RASTER_BATCH];
-        raster_srgb_wide(code, radiance[0], 3 * count);
-        for (uint32_t i = 0; i < count; i++)
-            out[i] = pack(code[3 * i], code[3 * i + 1], code[3 * i + 2], format);
-        return;
-    }
+    uint8_t code[3 * RASTER_BATCH];
+    raster_srgb_wide(code, radiance[0], 3 * count);
+    for (uint32_t i = 0; i < count; i++)
+        out[i] = pack(code[3 * i], code[3 * i + 1], code[3 * i + 2], format);
+#else
+    for (const uint32_t *c = radiance[0], *end = radiance[count]; c != end; c += 3)
+        *out++ = pack(lut_srgb8((int32_t)c[0]), lut_srgb8((int32_t)c[1]), lut_srgb8((int32_t)c[2]), format);
 #endif
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t c[3] = {radiance[i][0], radiance[i][1], radiance[i][2]};
-        if (tone_curve == SCENE_TONE_ACES)
-            apply_aces(c);
-        out[i] = pack(lut_srgb8(c[0]), lut_srgb8(c[1]), lut_srgb8(c[2]), format);
-    }
 }
 
 uint32_t raster_background(const struct raster_frame *f, uint8_t format)

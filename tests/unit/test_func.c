@@ -6,8 +6,8 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "display.h"
 #include "func.h"
-#include "func_tables.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -37,6 +37,18 @@ static double angle_ratio(double u)
     return u == 0 ? 2 / pi : 2 * (u > 0 ? asin(r) : asinh(r)) / (pi * r);
 }
 
+static double aces_node(int i)
+{
+    return exp2(i / 16 - 4) * (1 + i % 16 / 16.0) - 0x1p-4;
+}
+
+/* A node's value, the nearest with this slope, rounded down, in its 12 low bits. */
+static uint32_t node_word(double value, double slope)
+{
+    const double low = fmax(floor(slope), 0);
+    return (uint32_t)(fmax(floor((value - low) / 4096 + 0.5), 0) * 4096 + low);
+}
+
 #define COUNT(t) ((int)(sizeof(t) / sizeof *(t)))
 #define CHECK_TABLE(t, formula)                                                                                        \
     for (int i = 0; i < COUNT(t); i++) {                                                                               \
@@ -51,9 +63,17 @@ static void every_table_entry_is_its_formula_rounded(void **state)
     CHECK_TABLE(func_exp2, 0x1p30 * exp2(-(i - 1) / 16.0));
     CHECK_TABLE(func_angle, 0x1p31 * angle_ratio((i - 1) / 16.0));
     CHECK_TABLE(func_atan, 0x1p28 * atan((i - 1) / 16.0) / (2 * pi));
-    CHECK_TABLE(func_srgb_power, 0x1p15 * pow(1 + i / 64.0, 1 / 2.4));
-    CHECK_TABLE(func_srgb_octave, 0x1p22 * 255 * 1.055 * exp2(-(i + 1) / 2.4));
-    CHECK_TABLE(func_aces, 0x1p15 * aces_curve(exp2(i / 32 - 4) * (1 + i % 32 / 32.0) - 0x1p-4));
+    CHECK_TABLE(func_srgb_octave, 0x1p23 * 255 * 1.055 * exp2(-(i + 1) / 2.4));
+    for (int i = 0; i < COUNT(func_srgb_power); i++) {
+        const double node = 0x1p31 * pow(1 + i / 64.0, 1 / 2.4), next = 0x1p31 * pow(1 + (i + 1) / 64.0, 1 / 2.4);
+        assert_true(func_srgb_power[i] == node_word(node, (next - node) / 4096 + 0.5));
+    }
+    for (int i = 0; i < COUNT(func_aces); i++) {
+        const double node = aces_curve(aces_node(i)), next = aces_curve(aces_node(i + 1)),
+                     middle = aces_curve((aces_node(i) + aces_node(i + 1)) / 2);
+        assert_true(func_aces[i] == node_word(0x1p30 * (node + (middle - (node + next) / 2) / 2),
+                                              0x1p15 * (next - node) - 0.125));
+    }
 }
 
 static double rsqrt_error(uint32_t x)
@@ -230,41 +250,41 @@ static void srgb8_is_the_rounded_curve_for_every_input(void **state)
     for (uint32_t i = 0; i <= 1u << 20; i++) {
         double v = i * 0x1p-20;
         double exact = 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055);
-        int y = lut_srgb8(i);
+        int y = (int)lut_srgb8((int32_t)i);
         assert_true(y >= last);
         last = y;
         worst = fmax(worst, fabs(y - exact) - 0.5);
     }
     print_message("# srgb8: wrong only within %.4f of a tie\n", worst);
-    assert_true(worst <= 0.005);
-    assert_int_equal(lut_srgb8(0), 0);
-    assert_int_equal(lut_srgb8((1u << 20) - 1), 255);
-    assert_int_equal(lut_srgb8(UINT32_MAX), 255);
+    assert_true(worst <= 0.002);
+    assert_int_equal(lut_srgb8(INT32_MIN), 0);
+    assert_int_equal(lut_srgb8(-1), 0);
+    assert_int_equal(lut_srgb8((1 << 20) - 1), 255);
+    assert_int_equal(lut_srgb8(INT32_MAX), 255);
 }
 
-static void aces_curve_is_within_1e_minus_4_and_monotone(void **state)
+static void aces_curve_is_within_1_4e_minus_4_and_monotone(void **state)
 {
     uint64_t seed = 5;
     double worst = 0;
     uint32_t last = 0;
     (void)state;
-    for (uint32_t v = 0; v < 30u << 20; v += v < 4u << 20 ? 1 : 61) {
+    for (uint32_t v = 0; v < 1u << 25; v += v < 4u << 20 ? 1 : 61) {
         uint32_t y = lut_aces_curve(v);
         assert_true(y >= last);
         last = y;
-        worst = fmax(worst, fabs(y * 0x1p-20 - aces_curve(v * 0x1p-20)));
+        worst = fmax(worst, fabs(y * 0x1p-30 - aces_curve(v * 0x1p-20)));
     }
     for (int i = 0; i < 1000000; i++) {
         uint32_t v = random_octave(&seed);
-        if (v < (1u << 25) - (1u << 16))
-            worst = fmax(worst, fabs(lut_aces_curve(v) * 0x1p-20 - aces_curve(v * 0x1p-20)));
+        if (v < 1u << 25)
+            worst = fmax(worst, fabs(lut_aces_curve(v) * 0x1p-30 - aces_curve(v * 0x1p-20)));
     }
     print_message("# aces_curve: largest error %.1e\n", worst);
-    assert_true(worst <= 1e-4);
-    assert_int_equal(lut_aces_curve(0), 0);
-    const uint32_t last_input = (1u << 25) - (1u << 16) - 1;
-    assert_int_equal(lut_aces_curve(last_input + 1), lut_aces_curve(last_input));
-    assert_int_equal(lut_aces_curve(UINT32_MAX), lut_aces_curve(last_input));
+    assert_true(worst <= 1.4e-4);
+    assert_true(lut_aces_curve(0) < 16);
+    assert_int_equal(lut_aces_curve(1u << 25), lut_aces_curve((1u << 25) - 1));
+    assert_int_equal(lut_aces_curve(INT32_MAX), lut_aces_curve((1u << 25) - 1));
 }
 
 int main(void)
@@ -278,7 +298,7 @@ int main(void)
         cmocka_unit_test(angle_is_within_half_a_thousandth_of_a_degree),
         cmocka_unit_test(turn_is_within_a_thousandth_of_a_degree),
         cmocka_unit_test(srgb8_is_the_rounded_curve_for_every_input),
-        cmocka_unit_test(aces_curve_is_within_1e_minus_4_and_monotone),
+        cmocka_unit_test(aces_curve_is_within_1_4e_minus_4_and_monotone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
