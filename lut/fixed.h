@@ -102,13 +102,19 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-/* The nearest of 0 .. 2^bits - 1; bits is a constant. */
+/* The nearest of 0 .. 2^bits - 1, and of -2^(bits - 1) .. 2^(bits - 1) - 1; bits is a constant. */
 #ifdef __ARM_FEATURE_SAT
-#define fx_clamp_bits(x, bits) ((uint32_t)__builtin_arm_usat(x, bits))
+#define fx_clamp_bits(x, bits)   ((uint32_t)__builtin_arm_usat(x, bits))
+#define fx_clamp_signed(x, bits) __builtin_arm_ssat(x, bits)
 #else
 static inline uint32_t fx_clamp_bits(int32_t x, unsigned bits)
 {
     return (uint32_t)fx_clamp(x, 0, (int32_t)((1u << bits) - 1));
+}
+
+static inline int32_t fx_clamp_signed(int32_t x, unsigned bits)
+{
+    return fx_clamp(x, -(int32_t)(1u << (bits - 1)), (int32_t)((1u << (bits - 1)) - 1));
 }
 #endif
 

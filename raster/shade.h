@@ -93,8 +93,7 @@ __attribute__((always_inline)) static inline void set_pixel(struct raster_batch_
         n = raster_face_viewer(n, v, nv);
         nv = fx_max(fx_dot(n, v), 1 << 22);
     }
-    if (((uint32_t)(n.x + 32768) | (uint32_t)(n.y + 32768) | (uint32_t)(n.z + 32768)) >> 16)
-        n = (struct vec3){fx_clamp(n.x, -32768, 32767), fx_clamp(n.y, -32768, 32767), fx_clamp(n.z, -32768, 32767)};
+    n = (struct vec3){fx_clamp_signed(n.x, 16), fx_clamp_signed(n.y, 16), fx_clamp_signed(n.z, 16)};
     p->normal_xy = lanes(n.x, n.y);
     p->normal_z = n.z;
     p->nv = nv;
