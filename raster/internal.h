@@ -245,8 +245,12 @@ void raster_shade_tile(const struct raster *r, struct raster_tile *t, const stru
 /* survey.c: puts what the tile's shading showed into its memory, and forgets the latter. */
 void raster_remember(struct raster_tile *t);
 
-/* quality.c: log2 of the edge of a rate's cells along an axis, samples. Rates but flat. */
-uint8_t raster_cell_shift(const struct raster *r, unsigned rate, unsigned axis);
+/* log2 of the edge of a rate's cells along an axis, samples: 1x1, 2x1, 2x2, 4x2, 4x4, of 4 samples per pixel twice as many and no more than
+ * four. Rates but flat. */
+static inline uint8_t raster_cell_shift(const struct raster *r, unsigned rate, unsigned axis)
+{
+    return (uint8_t)fx_min_u((rate + 1 - axis) / 2 + r->sample_shift, 2);
+}
 
 /* light.c: bytes of arena for lights and lobes, and filling them; the largest shading block's edge is 2^shift pixels. */
 size_t raster_light_bytes(const struct raster_frame *f);

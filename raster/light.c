@@ -69,7 +69,9 @@ void raster_light_setup(struct raster *r)
     bool run = f->light_count == r->directional && r->directional <= RASTER_RUN_LIGHTS && !r->sample_shift;
     for (uint32_t i = 0; i < f->scene->header->materials.count; i++) {
         const struct raster_rows *rows = raster_rows_of(f, &f->materials[i]);
+        const struct raster_model *model = raster_model_of(f, &f->materials[i]);
         r->in_rows[i] = run && rows && rows->takes(r, &f->materials[i]);
+        r->shading[i] = model ? (uint8_t)model->shading : 0;
     }
 
     uint8_t *end = (uint8_t *)r->lights + align8(f->light_count * sizeof *r->lights);

@@ -10,12 +10,6 @@
 /* Of a pixel whose meshlet is flat, though it has no contrast: its normal and view are not the frame's and the region's. */
 #define FLAT_ERROR 360u
 
-uint8_t raster_cell_shift(const struct raster *r, unsigned rate, unsigned axis)
-{
-    static const uint8_t pixels[RASTER_RATE_FLAT][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}};
-    return (uint8_t)fx_min_u(pixels[rate][axis] + r->sample_shift, 2);
-}
-
 const struct raster_model *raster_model_of(const struct raster_frame *f, const struct scene_material *m)
 {
     const struct raster_parts *p = f->parts;
@@ -31,14 +25,6 @@ const struct raster_model *raster_model_of(const struct raster_frame *f, const s
     default:
         return p->lafortune_phong;
     }
-}
-
-enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate)
-{
-    const struct scene_material *m = &r->frame.materials[material];
-    if (rate == RASTER_RATE_1X1 && r->in_rows[material])
-        return m->kind == SCENE_MATERIAL_BLINN_PHONG ? RASTER_SHADE_BLINN_PHONG_ROW : RASTER_SHADE_DIFFUSE_ROW;
-    return raster_model_of(&r->frame, m)->shading;
 }
 
 uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, enum raster_rate rate)

@@ -88,7 +88,13 @@ enum raster_shading {
     RASTER_SHADE_BLINN_PHONG_ROW, /* likewise */
     RASTER_SHADE_COUNT
 };
-enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate);
+static inline enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate)
+{
+    const enum raster_shading blocks = (enum raster_shading)r->shading[material];
+    return rate != RASTER_RATE_1X1 || !r->in_rows[material] ? blocks
+           : blocks == RASTER_SHADE_BLINN_PHONG             ? RASTER_SHADE_BLINN_PHONG_ROW
+                                                            : RASTER_SHADE_DIFFUSE_ROW;
+}
 
 /*
  * What a rate errs, expected: squared 8-bit steps of the displayed pixel, summed over pixels and colours; at most 2^28. Shading a cell by
