@@ -60,8 +60,8 @@ struct budget_plan {
     uint32_t pass[RASTER_REGION_SHIFT + 1]
                  [RASTER_RATE_FLAT];  /* for a material at a rate, by region_planes; 4 fraction bits */
     struct budget_units units, least; /* under the plan's lights, and under the fewest */
-    /* From a region on, at most: at the last rung; flat, but for the meshlets' evaluations, and how many these may be. */
-    uint32_t last_rung[RASTER_MAX_REGIONS + 1], flat_ticks[RASTER_MAX_REGIONS + 1], flat_cells[RASTER_MAX_REGIONS + 1];
+    /* The last rung from a region on, at most: all but the meshlets' evaluations, and how many these may be. */
+    uint32_t flat_ticks[RASTER_MAX_REGIONS + 1], flat_cells[RASTER_MAX_REGIONS + 1];
     uint32_t flat_each;   /* an evaluation's ticks */
     uint32_t flat_planes; /* of a region and material, 4 fraction bits */
     struct raster_quality quality;

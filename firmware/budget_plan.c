@@ -167,39 +167,20 @@ uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const 
 
 /* --- the last rung --- */
 
-/* Everything from a region on flat, each meshlet evaluated once. */
-static uint32_t flat_ticks(const struct budget_plan *p, uint32_t region)
+uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region)
 {
     return p->flat_ticks[region] + fx_min_u(p->flat_cells[region], p->survey->slots) * p->flat_each;
 }
 
-uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region)
-{
-    return fx_min_u(flat_ticks(p, region), p->last_rung[region]);
-}
-
-/* From each region on: flat; and of each class the cheaper of cells of 4 x 4 and flat. */
-static void sum_last_rungs(struct budget_plan *p)
+/* From each region on. In: of each region the materials, and in flat_cells its own meshlets in cells. */
+static void sum_last_rungs(struct budget_plan *p, const uint64_t materials[RASTER_MAX_REGIONS])
 {
     const uint32_t regions = p->survey->regions;
-    p->flat_ticks[regions] = p->flat_cells[regions] = p->last_rung[regions] = 0;
-    for (uint32_t region = regions; region-- > 0;) {
-        uint32_t cells = 0;
-        uint64_t materials = 0, last = 0;
-        for (uint32_t i = 0; i < p->count; i++) {
-            const struct raster_area *area = area_of(p, i, region);
-            if (!area->pixels)
-                continue;
-            const uint64_t flat = alone_cost(p, &p->least, i, RASTER_RATE_FLAT, region);
-            const uint64_t cell = alone_cost(p, &p->least, i, RASTER_RATE_4X4, region);
-            last += flat < cell ? flat : cell;
-            cells += area->cells;
-            materials |= p->materials[i];
-        }
-        p->last_rung[region] = p->last_rung[region + 1] + ticks_of(last); /* 2^3 2^28 */
-        p->flat_ticks[region] = p->flat_ticks[region + 1] +
-                                (cells ? ticks_of(pass_cost(p, RASTER_RATE_FLAT, 0, count_bits(materials))) : 0);
-        p->flat_cells[region] = p->flat_cells[region + 1] + cells;
+    p->flat_ticks[regions] = p->flat_cells[regions] = 0;
+    for (uint32_t i = regions; i-- > 0;) {
+        p->flat_ticks[i] = p->flat_ticks[i + 1] +
+                           (materials[i] ? ticks_of(pass_cost(p, RASTER_RATE_FLAT, 0, count_bits(materials[i]))) : 0);
+        p->flat_cells[i] += p->flat_cells[i + 1];
     }
 }
 
@@ -246,9 +227,9 @@ void budget_region_fit(struct raster_quality *q, struct budget_plan *p, uint32_t
         if (coarsen(q, p, &p->units, region, ticks))
             return;
     }
-    if (flat_ticks(p, region) < p->last_rung[region]) /* a meshlet that shows in many regions is evaluated once */
-        for (uint32_t c = 0; c < RASTER_CLASSES; c++)
-            q->rate[c] = RASTER_RATE_FLAT;
+    /* a meshlet that shows in many regions is evaluated once */
+    for (uint32_t c = 0; c < RASTER_CLASSES; c++)
+        q->rate[c] = RASTER_RATE_FLAT;
 }
 
 /* --- the plan --- */
@@ -313,6 +294,7 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
         if (work->m.shading.pixels[i])
             materials[work->slots[i].class_id] |= (uint64_t)1 << work->slots[i].material;
     p->count = p->pixels = p->rows = 0;
+    __builtin_memset(p->flat_cells, 0, sizeof p->flat_cells);
     for (uint32_t id = 0; id < s->classes; id++) {
         const uint32_t i = p->count;
         if (!s->total[id].pixels)
@@ -327,6 +309,7 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
             if (!s->area[id][region].pixels)
                 continue;
             const unsigned k = p->region_planes[region];
+            p->flat_cells[region] += s->area[id][region].cells;
             p->exact[i] += k ? 0 : s->area[id][region].pixels;
             if (materials[id] & ~seen[region])
                 p->first[i][k]++;
@@ -346,6 +329,7 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
     passes_find(p, planes * p->r->directional);
     p->flat_each = ticks_of(flat);
     p->flat_planes = flat_planes;
+    sum_last_rungs(p, seen);
 }
 
 void budget_plan_begin(struct budget_plan *p, const struct budget *b, const struct raster *r,
@@ -362,7 +346,6 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
     p->least = p->units;
     if (p->units.lights > RASTER_LEAST_LIGHTS)
         units_find(&p->least, p, RASTER_LEAST_LIGHTS);
-    sum_last_rungs(p);
 }
 
 uint32_t budget_plan_flat(struct budget_plan *p)
