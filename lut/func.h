@@ -3,7 +3,7 @@
  *
  * Purpose   what shading needs: roots, logarithms, angles.
  * Limits    every function is total on the stated range, and its largest error is stated; the tables are
- *           constant data (1.3 KB). lut_exp2_neg, lut_srgb8 and lut_aces_curve are monotone; the others are so
+ *           constant data (0.6 KB). lut_exp2_neg is monotone; the others are so
  *           but for steps back well below their error.
  * Errors    measured in tests/unit/test_func.c, which also recomputes every table entry in double precision.
  */

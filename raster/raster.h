@@ -144,7 +144,7 @@ struct raster {
     uint32_t directional;        /* how many they are */
     struct raster_lobe *lobes;   /* of materials whose model has one, in the arena */
     uint8_t lobe_of_material[SCENE_MAX_MATERIALS];
-    bool in_rows[SCENE_MAX_MATERIALS]; /* materials shaded in runs of a row: without the view, or point lights */
+    bool in_rows[SCENE_MAX_MATERIALS];    /* materials shaded in runs of a row: without the view, or point lights */
     uint8_t shading[SCENE_MAX_MATERIALS]; /* enum raster_shading, where they are not */
     struct raster_view view;
     uint8_t

@@ -71,8 +71,8 @@ static void every_table_entry_is_its_formula_rounded(void **state)
     for (int i = 0; i < COUNT(func_aces); i++) {
         const double node = aces_curve(aces_node(i)), next = aces_curve(aces_node(i + 1)),
                      middle = aces_curve((aces_node(i) + aces_node(i + 1)) / 2);
-        assert_true(func_aces[i] == node_word(0x1p30 * (node + (middle - (node + next) / 2) / 2),
-                                              0x1p15 * (next - node) - 0.125));
+        assert_true(func_aces[i] ==
+                    node_word(0x1p30 * (node + (middle - (node + next) / 2) / 2), 0x1p15 * (next - node) - 0.125));
     }
 }
 
