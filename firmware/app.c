@@ -65,7 +65,7 @@ static struct raster_frame frame_of(const struct app *app, uint32_t tile_budget)
         .costs = tile_budget || !app->hal->clock ? app->config.costs : NULL,
         .bounds = budgets && (tile_budget || !app->hal->clock) ? budgets->bounds : NULL,
         .tile_budget = tile_budget,
-        .learnt = app->frame.budget.learnt,
+        .learnt = &app->frame.budget.learnt,
         .memory = tile_budget ? app->config.memory : NULL,
         .width = app->config.width,
         .height = app->config.height,
@@ -185,7 +185,7 @@ static void tile_render(struct app *app)
     struct raster_rect rect;
     struct raster_stats s;
     struct budget_report report;
-    uint32_t index = f->next_tile++;
+    const uint32_t index = raster_tile_at(&f->raster, f->next_tile++);
     if (f->raster.frame.tile_budget)
         app->config.budgets->render_tile(&f->budget, &report, &f->raster, index, &f->work, &rect, &s);
     else

@@ -19,11 +19,12 @@ struct tile {
     struct raster_stats *stats;
     struct budget_report *report;
     uint32_t index;
-    uint32_t start;  /* on the clock */
-    uint32_t limit;  /* what later tiles need for certain is behind it */
-    uint32_t survey; /* a survey's ticks and its plan's, at most */
-    bool any;        /* something was drawn since slots were free */
-    uint32_t spare;  /* at the coarsest levels: ticks that are not needed for certain */
+    uint32_t start;         /* on the clock */
+    uint32_t limit;         /* what later tiles need for certain is behind it */
+    uint32_t survey;        /* a survey's ticks and its plan's, at most */
+    bool any;               /* something was drawn since slots were free */
+    uint32_t shading, full; /* ticks that it took, and would at full quality */
+    uint32_t spare;         /* at the coarsest levels: ticks that are not needed for certain */
 };
 
 static uint32_t elapsed(const struct tile *k)
@@ -67,18 +68,16 @@ void budget_begin(struct budget *b, const struct hal *hal, const struct raster *
     b->hal = hal;
     b->mean = mean;
     b->learnt.lod_bias = (uint8_t)r->lod_bias;
-    forget(&b->drawing_ratio);
-    forget(&b->demand_ratio);
     forget(&b->shading_ratio);
     for (uint32_t i = 0; i < BUDGET_PRICES; i++)
         forget(&b->price_ratio[i]);
     b->left = (uint64_t)mean * tiles; /* < 2^50 */
-    b->least = b->drawing = b->demand = b->overhead = 0;
+    b->least = b->demand = b->besides = 0;
     for (uint32_t t = 0; t < tiles; t++) {
+        const struct raster_expected e = raster_tile_expected(r, t);
         b->least += r->bounds[t].least;
-        b->drawing += r->bounds[t].drawing;
-        b->demand += r->bounds[t].demand;
-        b->overhead += r->bounds[t].overhead;
+        b->demand += e.shading;
+        b->besides += e.besides;
     }
     b->lit = b->lit ? b->lit : 192;
     b->point = b->point ? b->point : 256;
@@ -88,11 +87,11 @@ void budget_begin(struct budget *b, const struct hal *hal, const struct raster *
 static void take_out(struct tile *k)
 {
     struct budget *b = k->b;
-    const struct raster_tile_bound *t = &k->r->bounds[k->index];
-    b->least -= t->least;
-    b->drawing -= t->drawing;
-    b->demand -= t->demand;
-    b->overhead -= t->overhead;
+    const struct raster_expected e = raster_tile_expected(k->r, k->index);
+    b->least -= k->r->bounds[k->index].least;
+    /* Tiles that share what was learnt may have changed it. */
+    b->demand -= e.shading < b->demand ? e.shading : b->demand;
+    b->besides -= e.besides < b->besides ? e.besides : b->besides;
     k->limit = b->left > b->least ? fx_sat31(b->left - b->least) : 0;
 }
 
@@ -202,10 +201,11 @@ static uint32_t finish_ticks(const struct tile *k)
 {
     const struct raster_costs *c = k->r->frame.costs;
     const struct budget_plan *p = &k->b->plan;
-    uint32_t pixels = p->pixels;
-    if (k->stats->meshlets >= RASTER_SLOTS) /* some may have their colour */
-        pixels = RASTER_TILE_PIXELS;
-    return ((c->finished * pixels + c->tile - c->clear) >> RASTER_COST_BITS) + 1; /* 2^20 2^11 */
+    uint32_t pixels = p->pixels, runs = 8 * p->survey->edges; /* two in a row of a cell */
+    if (k->stats->meshlets >= RASTER_SLOTS)                   /* some may have their colour */
+        pixels = RASTER_TILE_PIXELS, runs = RASTER_TILE_PIXELS / 2;
+    runs = fx_min_u(runs, pixels);
+    return ((c->finished * pixels + c->run * runs + c->tile - c->clear) >> RASTER_COST_BITS) + 1; /* 2^20 2^11 */
 }
 
 /* Ticks for shading what is drawn: at the lowest price at which this and the tiles to come take what is left, or between that and the
@@ -213,9 +213,9 @@ static uint32_t finish_ticks(const struct tile *k)
 static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t finish)
 {
     struct budget *b = k->b;
-    const uint64_t besides = times(b->drawing, &b->drawing_ratio, ONE) + b->overhead + finish + now;
+    const uint64_t besides = b->besides + finish + now;
     const uint64_t kept = b->least + k->r->bounds[k->index].keep + finish + now;
-    const uint64_t others = times(b->demand, &b->demand_ratio, ONE);
+    const uint64_t others = b->demand;
     const uint32_t takes = ratio_of(&b->shading_ratio);
     uint64_t left = b->left > besides ? b->left - besides : 0, need_above = others + full;
     uint32_t own[BUDGET_PRICES], own_above = full, ticks = full;
@@ -309,9 +309,11 @@ static bool shade_pass(struct tile *k, bool last)
         expected = budget_plan_flat(p);
     }
     k->report->predicted = elapsed(k) + own_likely + finish + expected;
-    if (ticks < full && spare > need) { /* as much, and some for surprises */
-        const uint32_t wanted = elapsed(k) + own + finish + ticks / 4 * 5;
-        end = wanted < end ? wanted : end;
+    if (ticks < full && spare > need) { /* as much, and some for surprises, but what is kept for later tiles */
+        const uint32_t now = elapsed(k), keep = k->r->bounds[k->index].keep,
+                       soft = k->limit > keep ? k->limit - keep : 0;
+        const uint32_t wanted = now + own + finish + ticks / 4 * 5, most = now + need > soft ? now + need : soft;
+        end = fx_min_u(end, fx_min_u(wanted, most));
     }
     if (last) { /* what is kept for the tile is its own, whatever it needs */
         const uint32_t kept = fx_min_u(k->r->bounds[k->index].least, k->limit);
@@ -320,13 +322,14 @@ static bool shade_pass(struct tile *k, bool last)
     k->report->share = end;
     const uint32_t shading = elapsed(k);
     shade_regions(k, end, finish);
-    learn(&b->shading_ratio, elapsed(k) - shading, expected);
+    const uint32_t took = elapsed(k) - shading;
+    learn(&b->shading_ratio, took, expected);
     if (survey->point_lights)
-        learn_point(b, elapsed(k) - shading, expected);
+        learn_point(b, took, expected);
+    k->shading = fx_add_sat(k->shading, took);
+    k->full = fx_add_sat(k->full, full);
     const uint32_t used = elapsed(k) - begun, more = used > need ? used - need : 0;
     k->spare -= more < k->spare ? more : k->spare;
-    if (!k->report->coarse && last)
-        learn(&b->demand_ratio, full, k->r->bounds[k->index].demand);
     return true;
 }
 
@@ -351,10 +354,7 @@ static void render(struct tile *k)
     decided(k, begun, OWN_TILE);
     none_planned(k);
     for (bool done = false; !done;) {
-        const uint32_t before = elapsed(k);
         const bool last = draw(k);
-        if (last && !k->report->coarse && k->stats->meshlets < RASTER_SLOTS)
-            learn(&k->b->drawing_ratio, elapsed(k) - before, k->r->bounds[k->index].drawing);
         if (k->any && !shade_pass(k, last)) {
             fall_back(k);
             continue;
@@ -364,6 +364,14 @@ static void render(struct tile *k)
         if (!last)
             raster_tile_free_slots(k->r, k->work, k->rect, k->stats);
     }
+}
+
+/* See struct raster_learnt. */
+static uint8_t learnt_ratio(uint32_t took, uint32_t expected)
+{
+    while (took >> 26 || expected >> 26)
+        took >>= 1, expected >>= 1;
+    return expected ? (uint8_t)fx_clamp((int32_t)((took << 6) / expected), 1, UINT8_MAX) : 0;
 }
 
 void budget_render_tile(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,
@@ -379,8 +387,11 @@ void budget_render_tile(struct budget *b, struct budget_report *report, const st
     b->lit = lit_share(b->lit, stats);
     report->spent = elapsed(&k);
     b->left -= report->spent < b->left ? report->spent : 0;
-    b->learnt.drawing = (uint16_t)ratio_of(&b->drawing_ratio);
-    b->learnt.shading = (uint16_t)ratio_of(&b->demand_ratio);
+    if (!report->coarse) {
+        b->learnt.shading[index % RASTER_LEARNT_TILES] = learnt_ratio(k.full, r->bounds[index].demand);
+        b->learnt.besides[index % RASTER_LEARNT_TILES] =
+            learnt_ratio(report->spent - k.shading, r->bounds[index].besides);
+    }
 }
 
 const struct budget_scheduler budget_scheduler = {&raster_tile_bounds, budget_begin, budget_render_tile};

@@ -80,22 +80,20 @@ struct budget {
     const struct hal *hal; /* its clock, or NULL: ticks are modelled */
     uint32_t mean;         /* ticks per tile */
     uint64_t left;         /* ticks of the tiles to come */
-    /* Of these, as raster_begin's bounds say: what they need for certain, what drawing and shading them at full quality takes, and
-     * what comes on top. */
-    uint64_t least, drawing, demand, overhead;
-    /* What it turned out to be over what bounds said; shading at a price over shading in full. */
-    struct budget_ratio drawing_ratio, demand_ratio, price_ratio[BUDGET_PRICES];
-    struct budget_ratio shading_ratio; /* what shading took over what was expected of it */
-    uint32_t lit;                      /* to be expected, of 256 */
-    uint32_t point;                    /* what a point light takes of what it may, to be expected, of 256 */
-    struct raster_learnt learnt;       /* for the next frame's raster_begin */
+    /* What these need for certain, and are expected to take: shading at full quality, and all else. */
+    uint64_t least, demand, besides;
+    struct budget_ratio price_ratio[BUDGET_PRICES]; /* shading at a price over shading in full */
+    struct budget_ratio shading_ratio;              /* what shading took over what was expected of it */
+    uint32_t lit;                                   /* to be expected, of 256 */
+    uint32_t point;              /* what a point light takes of what it may, to be expected, of 256 */
+    struct raster_learnt learnt; /* for the next frame's raster_begin */
     struct budget_plan plan;
 };
 
 /* Begins a frame. In: *r as raster_begin filled it, with bounds; mean as there, > 0. */
 void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean);
 
-/* Renders a tile as raster_render_tile does, within its share. Tiles in any order, each once. */
+/* Renders a tile as raster_render_tile does, within its share. Tiles in any order, each once; raster_tile_at has the best. */
 void budget_render_tile(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,
                         struct raster_tile *work, struct raster_rect *rect, struct raster_stats *stats);
 

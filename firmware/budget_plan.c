@@ -51,8 +51,9 @@ static void units_find(struct budget_units *u, const struct budget_plan *p, uint
 static uint64_t area_cost(const struct budget_plan *p, const struct raster_area *area, unsigned rate, uint32_t samples,
                           uint32_t unit)
 {
+    const struct raster_costs *c = p->r->frame.costs;
     const bool cells = rate != RASTER_RATE_1X1 && rate != RASTER_RATE_FLAT;
-    return (uint64_t)samples * unit + (cells ? area->cells * p->r->frame.costs->part : 0); /* 2^11 2^16 */
+    return (uint64_t)samples * unit + (cells ? area->cells * c->part + samples * c->cell : 0); /* 2^11 2^16, twice */
 }
 
 /* Of a class in a region, at most, but for its passes. */
@@ -116,7 +117,7 @@ static uint64_t passes_cost(const struct budget_plan *p, const uint64_t material
         sum += pass_cost(p, finest, planes, count_bits(cells));
     if (materials[RASTER_RATE_1X1])
         sum += pass_cost(p, RASTER_RATE_1X1, planes, count_bits(materials[RASTER_RATE_1X1]));
-    return sum;
+    return sum ? sum : p->r->frame.costs->region / 2; /* looked through, and left to rows */
 }
 
 /* Of a class in a region, at most, with passes of its own. */

@@ -5,7 +5,7 @@
 /* A triangle cut by every plane is a polygon of 8 vertices, a fan of 6. */
 #define FAN (CLIP_MAX_VERTICES - 2)
 /* Sixteenths of what shading takes at full quality: to coarsen levels of detail errs more than to shade for less errs, down to this. */
-#define SENSIBLE 2
+#define SENSIBLE 3
 
 static uint32_t cost_ticks(uint64_t cost)
 {
@@ -197,10 +197,10 @@ static void bound_triangle(struct raster_tile_bound *b, const struct raster *r, 
     const uint32_t columns = overlap(box->x0, box->x1, x, RASTER_TILE_WIDTH);
     const uint32_t rows = columns ? overlap(box->y0, box->y1, y, RASTER_TILE_HEIGHT) : 0;
     const uint32_t tested = !rows ? 0 : fx_min_u(columns * rows, fx_add_sat_u(box->area, columns + rows - 1));
-    /* A fan's triangles do not overlap. */
+    /* A fan's triangles do not overlap. A row of a triangle is a run at most when it is packed. */
     const uint64_t cost =
         cut ? fill_cost(c, FAN, FAN * rows, tested, true) : fill_cost(c, 1, rows, tested, box->general);
-    b->least = fx_add_sat_u(b->least, cost_ticks(cost));
+    b->least = fx_add_sat_u(b->least, cost_ticks(cost + (uint64_t)c->run * rows));
     b->pixels = fx_add_sat_u(b->pixels, tested);
     if (tested)
         bound_passes(b, material,
@@ -252,7 +252,7 @@ static void bound_wanted(struct raster *r, const struct load *load, const struct
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
             b->largest = load->ticks > b->largest ? load->ticks : b->largest;
-            b->drawing = fx_add_sat_u(b->drawing, drawing);
+            b->besides = fx_add_sat_u(b->besides, drawing);
             b->shown = fx_add_sat_u(b->shown, shown);
             b->demand = fx_add_sat_u(b->demand, demand);
         }
@@ -322,8 +322,9 @@ uint32_t raster_min_tile_budget(struct raster *r)
                                                      (uint64_t)flat * b->meshlets + regions * (c->flat + flat_planes) +
                                                      passes * pass));
         const uint32_t shown = fx_min_u(b->shown, RASTER_TILE_PIXELS);
-        b->overhead = cost_ticks((uint64_t)c->tile + c->plan + (uint64_t)c->survey * RASTER_TILE_PIXELS +
-                                 (uint64_t)c->finished * shown);
+        b->besides =
+            fx_add_sat_u(b->besides, cost_ticks((uint64_t)c->tile + c->plan + (uint64_t)c->survey * RASTER_TILE_PIXELS +
+                                                (uint64_t)c->finished * shown));
         b->demand = (uint32_t)((uint64_t)b->demand * seen_part(b->shown) >> 16);
         if (b->shown)
             b->demand = fx_add_sat_u(b->demand, cost_ticks(b->passes * (uint64_t)(c->region + planes)));
@@ -333,27 +334,55 @@ uint32_t raster_min_tile_budget(struct raster *r)
 }
 
 /* x times a ratio that was learnt, or a usual one. */
-static uint64_t times_learnt(uint64_t x, uint16_t ratio)
+static uint32_t times_learnt(uint32_t x, uint8_t ratio)
 {
-    return x * (ratio ? ratio : 160) >> 8;
+    return fx_sat31((uint64_t)x * (ratio ? ratio : 52) >> 6);
+}
+
+struct raster_expected raster_tile_expected(const struct raster *r, uint32_t tile)
+{
+    const struct raster_learnt *l = r->frame.learnt;
+    const struct raster_tile_bound *b = &r->bounds[tile];
+    const uint32_t i = tile % RASTER_LEARNT_TILES;
+    return (struct raster_expected){times_learnt(b->demand, l ? l->shading[i] : 0),
+                                    times_learnt(b->besides, l ? l->besides[i] : 0)};
+}
+
+/* Tiles by their least, the lowest first, then by index: insertion at steps that shrink (Shell 1959). */
+static void find_order(struct raster *r)
+{
+    struct raster_tile_bound *b = r->bounds;
+    const uint32_t tiles = raster_tile_count(r);
+    for (uint32_t t = 0; t < tiles; t++)
+        b[t].order = (uint16_t)t;
+    for (uint32_t step = tiles / 2; step; step /= 2)
+        for (uint32_t i = step; i < tiles; i++) {
+            const uint16_t tile = b[i].order;
+            uint32_t at = i;
+            for (; at >= step; at -= step) {
+                const uint16_t other = b[at - step].order;
+                if (b[other].least < b[tile].least || (b[other].least == b[tile].least && other < tile))
+                    break;
+                b[at].order = other;
+            }
+            b[at].order = tile;
+        }
 }
 
 /*
  * Ticks that the frame needs beyond the sum of `least`, for no tile to fall back: before a tile is drawn, that must suffice beside the later ones'
  * least for drawing it with its own least in reserve, and for what it takes more than its least and the tiles after it need. To each tile's `keep`:
- * what the tiles after it, by their index, need so. Shading is counted at the least quality that is worth the levels of detail.
+ * what the tiles after it need so. Shading is counted at the least quality that is worth the levels of detail.
  */
 static uint32_t find_keeps(struct raster *r)
 {
-    const struct raster_costs *c = r->frame.costs;
-    const uint32_t survey = cost_ticks((uint64_t)c->survey * RASTER_TILE_PIXELS + c->plan);
     uint32_t need = 0;
-    for (uint32_t t = raster_tile_count(r); t-- > 0;) {
-        struct raster_tile_bound *b = &r->bounds[t];
-        const uint32_t drawing = fx_sat31(times_learnt(b->drawing, r->frame.learnt.drawing)),
-                       shading = fx_sat31(times_learnt(b->demand, r->frame.learnt.shading) * SENSIBLE >> 4);
-        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(drawing, shading), fx_add_sat_u(b->overhead, need));
-        const uint32_t reserve = b->drawing ? fx_add_sat_u(fx_add_sat_u(drawing, b->largest), survey) : 0;
+    for (uint32_t i = raster_tile_count(r); i-- > 0;) {
+        struct raster_tile_bound *b = &r->bounds[r->bounds[i].order];
+        const struct raster_expected e = raster_tile_expected(r, r->bounds[i].order);
+        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(e.besides, e.shading / 16 * SENSIBLE), need);
+        /* An eighth more, as to fall back for the lack of a few ticks would be the larger loss. */
+        const uint32_t reserve = b->largest ? fx_add_sat_u(e.besides + e.besides / 8, b->largest) : 0;
         b->keep = need;
         need = takes > b->least ? takes - b->least : 0;
         need = need > reserve ? need : reserve;
@@ -383,8 +412,9 @@ static bool takes_too_much(struct raster *r, uint32_t bias)
         return false;
     for (uint32_t t = 0; t < raster_tile_count(r); t++)
         least += r->bounds[t].least;
+    find_order(r);
     const uint32_t need = find_keeps(r);
-    budget -= bias < r->frame.learnt.lod_bias ? budget / 8 : 0;
+    budget -= r->frame.learnt && bias < r->frame.learnt->lod_bias ? budget / 8 : 0;
     return budget < least + need;
 }
 

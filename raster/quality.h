@@ -125,7 +125,9 @@ struct raster_costs {
     uint32_t region;    /* gone through, for each material once by pixels and once by cells, with its first block */
     uint32_t flat;      /* gone through at rate flat, once for all materials */
     uint32_t part;      /* a meshlet in a cell of 4 x 4 pixels, where cells are shaded */
+    uint32_t cell;      /* what a cell's sample takes more than a pixel's */
     uint32_t finished;  /* a pixel of a surface packed */
+    uint32_t run;       /* pixels of surfaces side by side, with background about them, packed */
     uint32_t plan;      /* what is found out after a survey, before rates are chosen */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a meshlet in a cell of 4 x 4 pixels */
@@ -136,6 +138,12 @@ struct raster_costs {
         uint32_t flat;     /* a meshlet at rate flat, under RASTER_LEAST_LIGHTS lights of any kind */
     } shading[RASTER_SHADE_COUNT];
 };
+
+/* What a tile is expected to take, at the levels of detail wanted, by its bounds and what was learnt: shading at full quality, and all else. */
+struct raster_expected {
+    uint32_t shading, besides;
+};
+struct raster_expected raster_tile_expected(const struct raster *r, uint32_t tile);
 
 /* For raster_frame.bounds: a program that does without budgets is linked without it. */
 extern const struct raster_bounds raster_tile_bounds;

@@ -50,10 +50,11 @@ enum raster_status {
     RASTER_STATUS_COUNT
 };
 
-/* What frames before found, for budgets: ratios with 8 fraction bits of what drawing and shading at full quality took to what their bounds
- * expect (0: not known), and how often the threshold for levels of detail was doubled. */
+/* What frames before found, for budgets: of each tile (modulo their number here) what shading it at full quality took, and all else, over what
+ * bounds expect; 6 fraction bits, 0: not known. And how often the threshold for levels of detail was doubled. */
+#define RASTER_LEARNT_TILES 128
 struct raster_learnt {
-    uint16_t drawing, shading;
+    uint8_t besides[RASTER_LEARNT_TILES], shading[RASTER_LEARNT_TILES];
     uint8_t lod_bias;
 };
 
@@ -72,9 +73,9 @@ struct raster_frame {
     uint8_t samples; /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
     const struct raster_costs *costs; /* what the target takes (quality.h); NULL: it is not counted */
     const struct raster_bounds
-        *bounds;                  /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
-    uint32_t tile_budget;         /* ticks, mean over tiles; 0: no limit. Needs bounds, and cells among the parts */
-    struct raster_learnt learnt;  /* with a budget; zero at first */
+        *bounds;          /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
+    uint32_t tile_budget; /* ticks, mean over tiles; 0: no limit. Needs bounds, and cells among the parts */
+    const struct raster_learnt *learnt; /* with a budget; zero at first; NULL: nothing is learnt */
     struct raster_memory *memory; /* zero at first; NULL: nothing is remembered. No two threads' tiles may share it */
 };
 
@@ -101,17 +102,18 @@ struct raster_run;    /* meshlets that follow each other in a tile's list, in th
 
 /* What a tile takes, in ticks; see bound.h. */
 struct raster_tile_bound {
-    uint32_t least;    /* is enough, whatever there is to be drawn: for the coarsest levels at the last rung */
-    uint32_t largest;  /* drawing one meshlet of its list, at most */
-    uint32_t drawing;  /* drawing its list, roughly */
-    uint32_t demand;   /* shading it at full quality, roughly */
-    uint32_t overhead; /* all else, roughly */
-    uint32_t keep; /* beyond later tiles' least, for none of them to need its coarsest levels, roughly; with a budget */
+    uint32_t least;   /* is enough, whatever there is to be drawn: for the coarsest levels at the last rung */
+    uint32_t largest; /* drawing one meshlet of its list, at most */
+    uint32_t demand;  /* shading it at full quality, roughly */
+    uint32_t besides; /* all else: to draw its list, most of it; roughly */
+    uint32_t
+        keep; /* beyond the least of tiles after it, for none to need its coarsest levels, roughly; with a budget */
     uint32_t shown;    /* pixels, roughly; internal */
     uint32_t pixels;   /* of the coarsest levels: tested, at most */
     uint32_t meshlets; /* likewise: in the list */
     uint32_t passes;   /* likewise: pairs of a region and a material that may show in it, at most */
     uint16_t regions;  /* bit for each region counted in passes for a material; internal */
+    uint16_t order;    /* the tile that comes as many-th as this one's index; with a budget */
     uint8_t material;  /* that */
 };
 
@@ -248,6 +250,7 @@ struct raster_survey {
     uint32_t slots;                   /* taken: the most that a flat tile evaluates */
     uint32_t point_lights;            /* that may reach one of its surfaces */
     uint32_t classes;                 /* some may be without pixels */
+    uint32_t edges;                   /* cells of 4 x 4 with some samples of surfaces and some without */
     uint8_t material[RASTER_CLASSES]; /* one of the class: all its materials are shaded alike */
     uint8_t meshlets[RASTER_CLASSES]; /* of the class, that show */
     uint32_t detail[RASTER_CLASSES];  /* 2^contrast, summed over pixels */
@@ -308,6 +311,13 @@ const char *raster_status_text(enum raster_status s);
 static inline uint32_t raster_tile_count(const struct raster *r)
 {
     return (uint32_t)r->tiles_x * r->tiles_y;
+}
+
+/* The tile to be rendered i-th: with a budget those that need the least for certain come first, so that what they leave is of use to
+ * others. Any order is right. In: i < raster_tile_count. */
+static inline uint32_t raster_tile_at(const struct raster *r, uint32_t i)
+{
+    return r->frame.tile_budget ? r->bounds[i].order : i;
 }
 
 /* Renders tile `index` (row-major, < raster_tile_count). *rect is its place on the screen, cut at the picture's

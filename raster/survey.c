@@ -45,6 +45,7 @@ static void count_cell(struct raster_tile *t, const struct raster_surface *s, ui
     for (uint32_t y = 0; y < height; y++, s += RASTER_TILE_WIDTH)
         for (uint32_t x = 0; x < width; x += 4)
             word[words++] = raster_four_slots(s + x) & (width - x < 4 ? ~(UINT32_MAX >> 8 * (width - x)) : UINT32_MAX);
+    t->m.shading.survey.edges++;
     count_slots(t, word, words, region);
 }
 
@@ -54,9 +55,12 @@ static void count_whole_cell(struct raster_tile *t, const struct raster_surface 
     uint32_t word[4] = {raster_four_slots(s), raster_four_slots(s + RASTER_TILE_WIDTH),
                         raster_four_slots(s + 2 * RASTER_TILE_WIDTH), raster_four_slots(s + 3 * RASTER_TILE_WIDTH)};
     const uint32_t first = word[0];
-    if ((first ^ (first << 8 | first >> 24)) | (first ^ word[1]) | (first ^ word[2]) | (first ^ word[3]))
+    if ((first ^ (first << 8 | first >> 24)) | (first ^ word[1]) | (first ^ word[2]) | (first ^ word[3])) {
+        const uint32_t full = raster_slots_differ(first, 0) & raster_slots_differ(word[1], 0) &
+                              raster_slots_differ(word[2], 0) & raster_slots_differ(word[3], 0);
+        t->m.shading.survey.edges += full != 128 * EACH_SLOT;
         count_slots(t, word, 4, region);
-    else if (first)
+    } else if (first)
         add_cell(t, region, first & 255, 16);
 }
 
@@ -134,6 +138,7 @@ const struct raster_survey *raster_tile_survey(const struct raster *r, struct ra
     bool any = false;
     s->regions = RASTER_REGIONS(rect->width) * RASTER_REGIONS(rect->height);
     s->slots = t->slot_count;
+    s->edges = 0;
     t->memory = r->frame.memory;
     find_classes(r, t);
     __builtin_memset(s->area, 0, s->classes * sizeof s->area[0]);

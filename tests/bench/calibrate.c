@@ -144,7 +144,7 @@ static void fit_free(struct fit *f)
 
 struct table {
     double tile, clear, meshlet, vertex, triangle, general, facing, row, tested, general_facing, general_row,
-        general_tested, survey, light, region, flat, part, finished;
+        general_tested, survey, light, region, flat, part, cell, finished, run;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -180,7 +180,7 @@ static void fit_drawing(struct table *t, const struct lines *all)
     fit_free(&f);
 }
 
-enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, PART, SHADE_VARIABLES };
+enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, PART, CELL, SHADE_VARIABLES };
 
 /* Rate flat, under RASTER_LEAST_LIGHTS point lights: an upper bound of any kind's. */
 static void fit_flat(struct table *t, const struct lines *all)
@@ -233,7 +233,7 @@ static void shade_counts(double counts[MAX_VARIABLES], const double v[COLUMNS], 
     own[0] = blocks * directional, own[1] = samples, own[2] = v[3], own[3] = v[4];
     counts[REGION] = blocks;
     if (rate)
-        counts[PART] = parts;
+        counts[PART] = parts, counts[CELL] = samples;
 }
 
 static bool is_regular(const struct line *l)
@@ -253,7 +253,8 @@ static void fit_shading(struct table *t, const struct lines *all)
         }
     }
     double most;
-    fit_scale(&f, fit_solve(&f, "shade", &most));
+    fit_solve(&f, "shade", &most);
+    fit_scale(&f, most);
     for (size_t i = 0; i < all->count; i++) { /* regions with few pixels take more than their parts */
         const struct line *l = &all->line[i];
         if (!is_regular(l))
@@ -261,7 +262,7 @@ static void fit_shading(struct table *t, const struct lines *all)
         shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
         at_least(&f.x[REGION], f.x[REGION] + (l->ticks - fit_at(&f, counts)) / l->v[7]);
     }
-    t->region = f.x[REGION], t->part = f.x[PART];
+    t->region = f.x[REGION], t->part = f.x[PART], t->cell = f.x[CELL];
     for (int k = 0; k < KINDS; k++) {
         const double *x = f.x + 4 * k;
         t->shading[k].planes = x[0], t->shading[k].sample = x[1], t->shading[k].lit = x[2], t->shading[k].dark = x[3];
@@ -281,7 +282,7 @@ static void fit_shading(struct table *t, const struct lines *all)
 /* Clearing, surveys and packing. */
 static void fit_packing(struct table *t, const struct lines *all)
 {
-    struct fit f = {.variables = 2};
+    struct fit f = {.variables = 3};
     double clear = 0;
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
@@ -289,7 +290,7 @@ static void fit_packing(struct table *t, const struct lines *all)
             at_least(&clear, l->v[0]);
             at_least(&t->survey, l->ticks / RASTER_TILE_PIXELS);
         } else if (is(l, "finish") && !l->v[1]) {
-            fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){l->v[4] / RASTER_TILE_PIXELS, l->v[0]});
+            fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){l->v[4] / RASTER_TILE_PIXELS, l->v[0], l->v[6]});
         }
     }
     double most;
@@ -299,6 +300,7 @@ static void fit_packing(struct table *t, const struct lines *all)
     t->clear = clear;
     t->tile = clear + f.x[0];
     t->finished = f.x[1];
+    t->run = f.x[2];
     fit_free(&f);
 }
 
@@ -314,10 +316,12 @@ static void fit_rows(struct table *t, const struct lines *all)
             continue;
         for (int k = 0; k < 3; k++)
             counts[(v[1] == RASTER_SHADE_DIFFUSE_ROW ? 0 : 3) + k] = v[k < 2 ? 2 + k : 5];
-        fit_add(&f, l->ticks - (t->tile - t->clear) * v[4] / RASTER_TILE_PIXELS - t->finished * v[0], counts);
+        fit_add(&f, l->ticks - (t->tile - t->clear) * v[4] / RASTER_TILE_PIXELS - t->finished * v[0] - t->run * v[6],
+                counts);
     }
     double most;
-    fit_scale(&f, fit_solve(&f, "rows", &most));
+    fit_solve(&f, "rows", &most);
+    fit_scale(&f, most);
     for (int k = 0; k < 2; k++) {
         const double *x = f.x + 3 * k;
         t->shading[KINDS + k].sample = x[0];
@@ -365,7 +369,9 @@ static void print_table(const struct table *t, const char *target)
     print_cost("region", t->region);
     print_cost("flat", t->flat);
     print_cost("part", t->part);
+    print_cost("cell", t->cell);
     print_cost("finished", t->finished);
+    print_cost("run", t->run);
     print_cost("plan", PLAN);
     printf("    .shading =\n        {\n");
     for (int k = 0; k < RASTER_SHADE_COUNT; k++)

@@ -103,7 +103,8 @@ static uint64_t render(struct sim_device *d, uint32_t budget, uint8_t *picture)
     d->app.content.tile_budget = budget;
     assert_int_equal(app_frame_begin(&d->app, false), RASTER_OK);
     const uint32_t tiles = raster_tile_count(&f->raster);
-    for (uint32_t i = 0; i < tiles; i++) {
+    for (uint32_t n = 0; n < tiles; n++) {
+        const uint32_t i = raster_tile_at(&f->raster, n);
         struct budget_report t;
         struct raster_rect rect;
         struct raster_stats stats;

@@ -219,7 +219,7 @@ static void budgets_take_coarser_levels_down_to_the_least_and_are_refused_below(
     uint64_t drawing = 0;
     uint32_t bias = r.lod_bias;
     for (uint32_t t = 0; t < tiles; t++)
-        drawing += r.bounds[t].drawing;
+        drawing += r.bounds[t].besides;
     print_message("# drawing takes about %.0f a tile; the least budget is %u\n", (double)drawing / tiles, least);
     assert_int_equal(bias, 0);
     for (uint32_t budget = (uint32_t)(drawing * 2 / tiles); budget >= least; budget -= budget / 4 + 1) {

@@ -19,6 +19,7 @@ static struct scene scene;
 
 int main(void)
 {
+    static struct budget budget;
     static const struct lut_table *const tables[RASTER_MAX_SLOTS] = {&table};
     if (lut_open(&table, product_table, 1 << 16) != LUT_OK || scene_open(&scene, product_scene, 1 << 20) != SCENE_OK)
         return 1;
@@ -41,12 +42,12 @@ int main(void)
     }
     if (raster_begin(&raster, &frame, arena, sizeof arena) != RASTER_OK)
         return 1;
-    for (uint32_t t = 0; t < raster_tile_count(&raster); t++) {
-        static struct budget budget;
+    for (uint32_t i = 0; i < raster_tile_count(&raster); i++) {
+        const uint32_t t = raster_tile_at(&raster, i);
         struct budget_report report;
         struct raster_rect rect;
         struct raster_stats stats;
-        if (product_budgets && !t)
+        if (product_budgets && !i)
             product_budgets->begin(&budget, &product_hal, &raster, frame.tile_budget);
         if (product_budgets)
             product_budgets->render_tile(&budget, &report, &raster, t, &tile, &rect, &stats);

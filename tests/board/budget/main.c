@@ -118,40 +118,26 @@ static enum raster_status begin(uint32_t mean)
                                        .costs = &input()->costs,
                                        .bounds = &raster_tile_bounds,
                                        .tile_budget = mean,
-                                       .learnt = budget.learnt,
+                                       .learnt = &budget.learnt,
                                        .memory = mean ? &memory : NULL};
     return raster_begin(&raster, &frame, arena, sizeof arena);
 }
 
-/* The frame's tiles as they are to be rendered: row by row, or those with the most kept for them last, so that what others leave hides
- * no bound that is too low. */
-static void order_tiles(uint8_t order[TILES], bool largest_last)
-{
-    for (uint32_t t = 0; t < TILES; t++) {
-        uint32_t at = t;
-        for (; largest_last && at && raster.bounds[order[at - 1]].least > raster.bounds[t].least; at--)
-            order[at] = order[at - 1];
-        order[at] = (uint8_t)t;
-    }
-}
-
 struct frame {
     uint64_t spent, own, squares;
-    uint32_t hash;
+    uint32_t hash; /* the sum of tiles, whatever their order */
     bool reduced;
 };
 
-/* `compare`: its hash and squares are wanted. */
-static struct frame render(uint32_t mean, bool compare, bool largest_last)
+/* `compare`: its squares are wanted; `backward`: the tiles that have the most in reserve come first. */
+static struct frame render(uint32_t mean, bool compare, bool backward)
 {
-    uint8_t order[TILES];
-    struct frame f = {.hash = REPORT_HASH_START};
+    struct frame f = {0};
     checked(begin(mean) == RASTER_OK, "no frame");
     if (mean)
         budget_begin(&budget, &hal, &raster, mean);
-    order_tiles(order, largest_last);
     for (uint32_t i = 0; i < TILES; i++) {
-        const uint32_t t = order[i];
+        const uint32_t t = raster_tile_at(&raster, backward ? TILES - 1 - i : i);
         struct raster_rect rect;
         struct raster_stats stats;
         struct budget_report report;
@@ -165,7 +151,7 @@ static struct frame render(uint32_t mean, bool compare, bool largest_last)
         f.spent += report.spent;
         if (compare) {
             f.squares += tile_squares(&rect);
-            f.hash = report_hash(f.hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
+            f.hash += report_hash(REPORT_HASH_START ^ t, raster_tile_pixels(&work), 3u * rect.width * rect.height);
         }
         if (!mean)
             continue;

@@ -213,6 +213,18 @@ static uint32_t shade(const struct raster_survey *s, const struct raster_rect *r
     return ticks;
 }
 
+/* Rows' runs of surfaces. */
+static uint32_t count_runs(const struct raster_rect *rect)
+{
+    uint32_t runs = 0;
+    for (uint32_t y = 0; y < rect->height; y++)
+        for (uint32_t x = 0; x < rect->width; x++) {
+            const struct raster_surface *s = &work.surface[y * RASTER_TILE_WIDTH + x];
+            runs += s->depth_slot && (!x || !s[-1].depth_slot);
+        }
+    return runs;
+}
+
 static void tile(uint32_t index, enum raster_shading shading, enum raster_rate rate, bool print)
 {
     struct raster_rect rect;
@@ -227,6 +239,7 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     const bool rows = raster_shading_of(&raster, 0, rate) >= RASTER_SHADE_DIFFUSE_ROW;
     const uint32_t ticks = shade(survey, &rect, rate, &blocks, &stats);
     const struct raster_stats shaded = stats;
+    const uint32_t runs = raster.sample_shift ? 0 : count_runs(&rect);
     start = clock_now();
     raster_tile_finish(&raster, &work, &rect, &stats);
     const uint32_t finish = clock_now() - start;
@@ -261,6 +274,7 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     report_number("", rows ? pixels * raster.frame.light_count : 0);
     report_number("", (uint32_t)rect.width * rect.height);
     report_number("", rows ? parts : 0);
+    report_number("", runs);
     report_text("\n");
 }
 
