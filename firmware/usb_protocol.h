@@ -48,8 +48,7 @@ enum usb_message {
     USB_MSG_ABORT,  /* -> nothing; drops the upload */
     USB_MSG_SELECT, /* usb_select -> nothing; material to table slot */
     USB_MSG_SET,    /* usb_set + value -> nothing */
-    USB_MSG_FRAME,  /* -> one reply per tile: usb_tile + pixels, row-major tiles; then one with USB_TILE_LAST
-                     */
+    USB_MSG_FRAME,  /* -> one reply per tile, in any order: usb_tile + pixels; then one with USB_TILE_LAST */
     USB_MSG_STATS,  /* usb_stats_request -> usb_stats [+ usb_tile_stats per tile] */
     USB_MSG_RESET,  /* -> nothing; forgets select and set, drops an upload; flash stays */
     USB_MSG_VERIFY, /* usb_verify -> nothing, detail = CRC-32 of the slot's live content, read from flash now */
