@@ -39,7 +39,7 @@ struct budget_class {
 
 /* What a sample takes at most, 4 fraction bits: where planes hold, where they do not, in rows. */
 struct budget_units {
-    uint32_t planes[RASTER_CLASSES], exact[RASTER_CLASSES], row[RASTER_CLASSES], row_part[RASTER_CLASSES];
+    uint32_t planes[RASTER_CLASSES], exact[RASTER_CLASSES], row[RASTER_CLASSES], row_run[RASTER_CLASSES];
     uint8_t lights; /* under so many */
 };
 

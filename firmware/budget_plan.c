@@ -23,10 +23,10 @@ static uint32_t ticks_of(uint64_t cost)
     return (uint32_t)(cost >> RASTER_COST_BITS) + 1;
 }
 
-/* Of an area's pixels in rows, at rate 1x1. */
+/* Of an area's pixels in rows, at rate 1x1: a meshlet has hardly more than a run in each row of a cell. */
 static uint64_t row_cost(const struct budget_units *u, uint32_t i, const struct raster_area *area)
 {
-    return (uint64_t)area->pixels * u->row[i] + area->cells * u->row_part[i];
+    return (uint64_t)area->pixels * u->row[i] + fx_min_u(4 * area->cells, area->pixels) * (uint64_t)u->row_run[i];
 }
 
 /* What a class's samples take at most under at most `lights` lights, of each kind as many as there may be among the strongest. */
@@ -43,7 +43,7 @@ static void units_find(struct budget_units *u, const struct budget_plan *p, uint
         u->planes[i] = c->sample + (all - points) * lit + points * point;
         u->exact[i] = c->sample + all * point;
         u->row[i] = row->sample + fx_min_u(p->r->directional, all) * row->lit;
-        u->row_part[i] = row->material;
+        u->row_run[i] = row->material;
     }
 }
 

@@ -130,7 +130,7 @@ struct raster_costs {
     uint32_t run;       /* pixels of surfaces side by side, with background about them, packed */
     uint32_t plan;      /* what is found out after a survey, before rates are chosen */
     struct raster_shading_cost {
-        uint32_t material; /* per region and directional light: planes; in rows: a meshlet in a cell of 4 x 4 pixels */
+        uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */
         uint32_t lit;      /* under a directional light that reaches it */
         uint32_t dark;     /* ... that does not */

@@ -5,7 +5,7 @@
  *   survey TICKS clear lights                                           one tile; what clearing it took
  *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
  *   point TICKS ...                                                     ... under point lights alone
- *   finish TICKS covered shading row_pixels row_lights pixels row_parts                 one tile; shading and pixels of what is shaded in rows
+ *   finish TICKS covered shading row_pixels row_lights pixels row_runs runs             one tile; shading and pixels of what is shaded in rows
  *   end hash H                                                          of all pixels: the same on every target
  * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: four uint32_t, how many bytes blob, half-vector table and
  * specular-frame table have and 0, then these, 16-aligned. The fourth other than 0: a short walk for the hash alone, every so many tiles, half
@@ -213,14 +213,16 @@ static uint32_t shade(const struct raster_survey *s, const struct raster_rect *r
     return ticks;
 }
 
-/* Rows' runs of surfaces. */
-static uint32_t count_runs(const struct raster_rect *rect)
+/* Rows' runs of surfaces, and in *of_slots those of one meshlet. */
+static uint32_t count_runs(uint32_t *of_slots, const struct raster_rect *rect)
 {
     uint32_t runs = 0;
+    *of_slots = 0;
     for (uint32_t y = 0; y < rect->height; y++)
         for (uint32_t x = 0; x < rect->width; x++) {
             const struct raster_surface *s = &work.surface[y * RASTER_TILE_WIDTH + x];
             runs += s->depth_slot && (!x || !s[-1].depth_slot);
+            *of_slots += s->depth_slot & 255 && (!x || (s->depth_slot ^ s[-1].depth_slot) & 255);
         }
     return runs;
 }
@@ -239,7 +241,8 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     const bool rows = raster_shading_of(&raster, 0, rate) >= RASTER_SHADE_DIFFUSE_ROW;
     const uint32_t ticks = shade(survey, &rect, rate, &blocks, &stats);
     const struct raster_stats shaded = stats;
-    const uint32_t runs = raster.sample_shift ? 0 : count_runs(&rect);
+    uint32_t of_slots;
+    const uint32_t runs = count_runs(&of_slots, &rect);
     start = clock_now();
     raster_tile_finish(&raster, &work, &rect, &stats);
     const uint32_t finish = clock_now() - start;
@@ -273,7 +276,7 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     report_number("", rows ? pixels : 0);
     report_number("", rows ? pixels * raster.frame.light_count : 0);
     report_number("", (uint32_t)rect.width * rect.height);
-    report_number("", rows ? parts : 0);
+    report_number("", rows ? of_slots : 0);
     report_number("", runs);
     report_text("\n");
 }
