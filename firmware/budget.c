@@ -205,7 +205,7 @@ static uint32_t finish_ticks(const struct tile *k)
     if (k->stats->meshlets >= RASTER_SLOTS)                   /* some may have their colour */
         pixels = RASTER_TILE_PIXELS, runs = RASTER_TILE_PIXELS / 2;
     runs = fx_min_u(runs, pixels);
-    return ((c->finished * pixels + c->run * runs + c->tile - c->clear) >> RASTER_COST_BITS) + 1; /* 2^20 2^11 */
+    return ((c->finished * pixels + c->run * runs + c->tile - c->clear) >> RASTER_COST_BITS) + 1; /* 2^20 2^11, twice */
 }
 
 /* Ticks for shading what is drawn: at the lowest price at which this and the tiles to come take what is left, or between that and the
@@ -366,12 +366,11 @@ static void render(struct tile *k)
     }
 }
 
-/* See struct raster_learnt. */
+/* See struct raster_learnt: of 6 fraction bits instead of 8. */
 static uint8_t learnt_ratio(uint32_t took, uint32_t expected)
 {
-    while (took >> 26 || expected >> 26)
-        took >>= 1, expected >>= 1;
-    return expected ? (uint8_t)fx_clamp((int32_t)((took << 6) / expected), 1, UINT8_MAX) : 0;
+    const uint32_t ratio = ratio_of(&(struct budget_ratio){took, expected});
+    return ratio ? (uint8_t)fx_clamp((int32_t)(ratio >> 2), 1, UINT8_MAX) : 0;
 }
 
 void budget_render_tile(struct budget *b, struct budget_report *report, const struct raster *r, uint32_t index,

@@ -37,9 +37,9 @@ struct hal {
      * modelled from its own counts, which repeats exactly. */
     uint32_t (*clock)(void *ctx);
 
-    /* A finished tile, a frame's in any order: w*h pixels, rows without padding, in the format of app_config. NULL: no display. The
-     * pixels may be overwritten when the call returns. Returns HAL_OK or HAL_ERROR (ignored by the renderer,
-     * counted). */
+    /* A finished tile, a frame's in any order: w*h pixels, rows without padding, in the format of app_config.
+     * NULL: no display. The pixels may be overwritten when the call returns. Returns HAL_OK or HAL_ERROR (ignored
+     * by the renderer, counted). */
     int (*display_write)(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t h, const void *pixels);
 
     /* --- USB device controller. Endpoint numbers carry the direction in bit 7 (0x80 = IN, device to host).

@@ -333,10 +333,13 @@ uint32_t raster_min_tile_budget(struct raster *r)
     return mean_above(sum, tiles);
 }
 
-/* x times a ratio that was learnt, or a usual one. */
+/* Of what bounds expect, 6 fraction bits: what tiles take. */
+#define USUAL 52u
+
+/* x times a ratio that was learnt, or the usual one. */
 static uint32_t times_learnt(uint32_t x, uint8_t ratio)
 {
-    return fx_sat31((uint64_t)x * (ratio ? ratio : 52) >> 6);
+    return fx_sat31((uint64_t)x * (ratio ? ratio : USUAL) >> 6);
 }
 
 struct raster_expected raster_tile_expected(const struct raster *r, uint32_t tile)

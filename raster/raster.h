@@ -246,11 +246,11 @@ struct raster_light_box {
 /* Of a tile that is drawn. Its meshlets are sorted into classes, which get a rate each: by how they are shaded, and by contrast. */
 #define RASTER_CLASSES 7u /* one for every way of shading, at least; more take longer to choose for than they gain */
 struct raster_survey {
-    uint32_t regions;                 /* of the tile, row-major */
-    uint32_t slots;                   /* taken: the most that a flat tile evaluates */
-    uint32_t point_lights;            /* that may reach one of its surfaces */
-    uint32_t classes;                 /* some may be without pixels */
-    uint32_t edges;                   /* cells of 4 x 4 with some samples of surfaces and some without */
+    uint32_t regions;      /* of the tile, row-major */
+    uint32_t slots;        /* taken: the most that a flat tile evaluates */
+    uint32_t point_lights; /* that may reach one of its surfaces */
+    uint32_t classes;      /* some may be without pixels */
+    uint32_t edges; /* cells of 4 x 4 with samples without a surface beside others, and all that are cut or larger */
     uint8_t material[RASTER_CLASSES]; /* one of the class: all its materials are shaded alike */
     uint8_t meshlets[RASTER_CLASSES]; /* of the class, that show */
     uint32_t detail[RASTER_CLASSES];  /* 2^contrast, summed over pixels */

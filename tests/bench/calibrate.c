@@ -99,8 +99,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Coordinate descent on the normal equations of relative residuals. Returns the 99th hundredth of measured over fitted; *most the most. */
-static double fit_solve(struct fit *f, const char *name, double *most)
+/* Coordinate descent on the normal equations of relative residuals. Returns the most of measured over fitted. */
+static double fit_solve(struct fit *f, const char *name)
 {
     double h[MAX_VARIABLES][MAX_VARIABLES] = {{0}}, g[MAX_VARIABLES] = {0}, *ratio = xmalloc(f->count * sizeof *ratio);
     for (size_t i = 0; i < f->count; i++)
@@ -120,12 +120,11 @@ static double fit_solve(struct fit *f, const char *name, double *most)
     for (size_t i = 0; i < f->count; i++)
         ratio[i] = f->ticks[i] / fit_at(f, f->counts[i]);
     qsort(ratio, f->count, sizeof *ratio, by_size);
-    const double p99 = ratio[f->count * 99 / 100];
+    const double most = ratio[f->count - 1];
     fprintf(stderr, "%-7s %6zu measurements over fit: 1 %% %.3f, median %.3f, 99 %% %.3f, most %.3f\n", name, f->count,
-            ratio[f->count / 100], ratio[f->count / 2], p99, ratio[f->count - 1]);
-    *most = ratio[f->count - 1];
+            ratio[f->count / 100], ratio[f->count / 2], ratio[f->count * 99 / 100], most);
     free(ratio);
-    return p99;
+    return most;
 }
 
 static void fit_scale(struct fit *f, double factor)
@@ -164,8 +163,7 @@ static void fit_drawing(struct table *t, const struct lines *all)
         if (is(l, "draw"))
             fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){1, v[0], v[1], v[2] ? 0 : v[1], v[3], v[4], v[5]});
     }
-    double most;
-    fit_solve(&f, "draw", &most);
+    fit_solve(&f, "draw");
     fit_scale(&f, 1.05);
     const double *x = f.x;
     t->meshlet = x[0], t->vertex = x[1], t->triangle = x[2], t->general = x[3], t->facing = x[4], t->row = x[5],
@@ -186,7 +184,6 @@ enum { KINDS = RASTER_SHADE_DIFFUSE_ROW, REGION = 4 * KINDS, PART, CELL, SHADE_V
 static void fit_flat(struct table *t, const struct lines *all)
 {
     struct fit f = {.variables = KINDS + 1};
-    double most;
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
         double counts[MAX_VARIABLES] = {0};
@@ -196,7 +193,7 @@ static void fit_flat(struct table *t, const struct lines *all)
         counts[KINDS] = l->v[7];
         fit_add(&f, l->ticks, counts);
     }
-    fit_solve(&f, "flat", &most);
+    fit_solve(&f, "flat");
     for (size_t i = 0; i < f.count; i++)
         at_least(&f.x[KINDS], f.x[KINDS] + (f.ticks[i] - fit_at(&f, f.counts[i])) / f.counts[i][KINDS]);
     for (int k = 0; k < KINDS; k++)
@@ -214,8 +211,7 @@ static void fit_general(struct table *t, const struct lines *all)
         if (is(l, "general") && l->v[1])
             fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){1, l->v[0], l->v[1]});
     }
-    double most;
-    fit_solve(&f, "general", &most);
+    fit_solve(&f, "general");
     for (size_t i = 0; i < f.count; i++)
         at_least(&f.x[0], f.x[0] + f.ticks[i] - fit_at(&f, f.counts[i]));
     t->general_facing = fmax(f.x[0] - t->facing, 0);
@@ -252,9 +248,7 @@ static void fit_shading(struct table *t, const struct lines *all)
             fit_add(&f, l->ticks, counts);
         }
     }
-    double most;
-    fit_solve(&f, "shade", &most);
-    fit_scale(&f, most);
+    fit_scale(&f, fit_solve(&f, "shade"));
     for (size_t i = 0; i < all->count; i++) { /* regions with few pixels take more than their parts */
         const struct line *l = &all->line[i];
         if (!is_regular(l))
@@ -293,8 +287,7 @@ static void fit_packing(struct table *t, const struct lines *all)
             fit_add(&f, l->ticks, (const double[MAX_VARIABLES]){l->v[4] / RASTER_TILE_PIXELS, l->v[0], l->v[6]});
         }
     }
-    double most;
-    fit_solve(&f, "finish", &most);
+    fit_solve(&f, "finish");
     for (size_t i = 0; i < f.count; i++) /* short runs of pixels take more */
         at_least(&f.x[0], f.x[0] + (f.ticks[i] - fit_at(&f, f.counts[i])) / f.counts[i][0]);
     t->clear = clear;
@@ -319,9 +312,7 @@ static void fit_rows(struct table *t, const struct lines *all)
         fit_add(&f, l->ticks - (t->tile - t->clear) * v[4] / RASTER_TILE_PIXELS - t->finished * v[0] - t->run * v[6],
                 counts);
     }
-    double most;
-    fit_solve(&f, "rows", &most);
-    fit_scale(&f, most);
+    fit_scale(&f, fit_solve(&f, "rows"));
     for (int k = 0; k < 2; k++) {
         const double *x = f.x + 3 * k;
         t->shading[KINDS + k].sample = x[0];
