@@ -23,10 +23,24 @@ static uint32_t ticks_of(uint64_t cost)
     return (uint32_t)(cost >> RASTER_COST_BITS) + 1;
 }
 
-/* Of an area's pixels in rows, at rate 1x1: a meshlet has hardly more than a run in each row of a cell. */
-static uint64_t row_cost(const struct budget_units *u, uint32_t i, const struct raster_area *area)
+/* Of an area's pixels in rows, at rate 1x1, with `runs` in each cell of it. */
+static uint64_t row_cost(const struct budget_units *u, uint32_t i, const struct raster_area *area, uint32_t runs,
+                         uint32_t each)
 {
-    return (uint64_t)area->pixels * u->row[i] + fx_min_u(4 * area->cells, area->pixels) * (uint64_t)u->row_run[i];
+    return (uint64_t)area->pixels * u->row[i] + fx_min_u(runs * area->cells, area->pixels) * (uint64_t)each;
+}
+
+/* At most: a meshlet has two runs in each row of a cell, with a run between them of what was shaded before. */
+static uint64_t most_row_cost(const struct budget_plan *p, const struct budget_units *u, uint32_t i,
+                              const struct raster_area *area)
+{
+    return row_cost(u, i, area, 8, u->row_run[i] + p->r->frame.costs->run);
+}
+
+/* As is to be expected: hardly more than one. */
+static uint64_t likely_row_cost(const struct budget_units *u, uint32_t i, const struct raster_area *area)
+{
+    return row_cost(u, i, area, 4, u->row_run[i]);
 }
 
 /* What a class's samples take at most under at most `lights` lights, of each kind as many as there may be among the strongest. */
@@ -62,7 +76,7 @@ static uint64_t most_cost(const struct budget_plan *p, const struct budget_units
 {
     const struct raster_area *area = area_of(p, i, region);
     if (rate == RASTER_RATE_1X1 && p->rows >> i & 1)
-        return row_cost(u, i, area);
+        return most_row_cost(p, u, i, area);
     if (rate == RASTER_RATE_FLAT && u->lights <= RASTER_LEAST_LIGHTS)
         return area_cost(p, area, rate, fx_min_u(area->cells, p->survey->meshlets[p->id[i]]),
                          p->flat_each << RASTER_COST_BITS);
@@ -151,7 +165,7 @@ uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const s
     uint64_t sum = 0;
     for (uint32_t i = 0; i < p->count; i++)
         if (p->rows >> i & 1 && q->rate[p->id[i]] == RASTER_RATE_1X1)
-            sum += row_cost(&p->units, i, area_of(p, i, region));
+            sum += most_row_cost(p, &p->units, i, area_of(p, i, region));
     return sum ? ticks_of(sum) : 0;
 }
 
@@ -277,7 +291,7 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
                 passes[rate] + area_cost(p, total, rate, samples[rate],
                                          rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
             if (!rate && p->rows >> i & 1)
-                cost = row_cost(&p->units, i, total);
+                cost = likely_row_cost(&p->units, i, total);
             p->classes[i].ticks[rate] = ticks_of(cost);
             p->classes[i].error[rate] = raster_class_error(s, p->id[i], (enum raster_rate)rate);
         }

@@ -4,6 +4,8 @@
 
 /* A triangle cut by every plane is a polygon of 8 vertices, a fan of 6. */
 #define FAN (CLIP_MAX_VERTICES - 2)
+/* Of the frame's budget, what a meshlet may take before it is bounded more closely. */
+#define WORTH_BOXES 32
 /* Sixteenths of what shading takes at full quality: to coarsen levels of detail errs more than to shade for less errs, down to this. */
 #define SENSIBLE 3
 
@@ -102,6 +104,7 @@ struct box {
     int32_t x0, y0, x1, y1; /* inclusive */
     uint32_t area;          /* pixels^2, rounded down */
     bool general;           /* it may be filled by general.c */
+    bool cut;               /* it may have to be clipped */
 };
 
 static uint32_t differ(int32_t a, int32_t b)
@@ -122,10 +125,9 @@ static bool is_general(const struct raster_vertex p[3], uint64_t area)
     return false;
 }
 
-enum facing { AWAY, TOWARDS, CUT };
-
-static enum facing triangle_box(struct box *box, const struct raster *r, const struct raster_object *o,
-                                const struct scene_meshlet *m, const struct scene_triangle *t, unsigned normal_shift)
+/* False: it does not show. */
+static bool find_box(struct box *box, const struct raster *r, const struct raster_object *o,
+                     const struct scene_meshlet *m, const struct scene_triangle *t, unsigned normal_shift)
 {
     const struct scene_vertex *vertices = r->frame.scene->vertices + m->vertex_first;
     struct raster_vertex p[3];
@@ -142,27 +144,46 @@ static enum facing triangle_box(struct box *box, const struct raster *r, const s
             p[i].v = (int16_t)raster_homogeneous(c.v, p[i].inv_w, normal_shift);
         }
     }
-    *box =
-        (struct box){0, 0, INT16_MAX, INT16_MAX, UINT32_MAX, true}; /* beyond the picture, too: a tile is drawn whole */
-    if (any)
-        return all ? AWAY : CUT;
+    if (any) { /* beyond the picture, too: a tile is drawn whole */
+        *box = (struct box){0, 0, INT16_MAX, INT16_MAX, UINT32_MAX, true, true};
+        return !all;
+    }
     const int64_t area =
         (int64_t)(p[1].x - p[0].x) * (p[2].y - p[0].y) - (int64_t)(p[1].y - p[0].y) * (p[2].x - p[0].x);
     if (area >= 0) /* counter-clockwise, y down: its normal's away */
-        return AWAY;
+        return false;
     box->x0 = (fx_min(p[0].x, fx_min(p[1].x, p[2].x)) + 127) >> 8;
     box->y0 = (fx_min(p[0].y, fx_min(p[1].y, p[2].y)) + 127) >> 8;
     box->x1 = (fx_max(p[0].x, fx_max(p[1].x, p[2].x)) - 128) >> 8;
     box->y1 = (fx_max(p[0].y, fx_max(p[1].y, p[2].y)) - 128) >> 8;
     box->area = (uint32_t)(-area >> 17); /* < 2^47 */
     box->general = is_general(p, (uint64_t)-area);
-    return TOWARDS;
+    box->cut = false;
+    return true;
 }
 
 /* How much of lo .. hi is in the `size` from `first` on. */
 static uint32_t overlap(int32_t lo, int32_t hi, int32_t first, int32_t size)
 {
     return (uint32_t)fx_max(fx_min(hi, first + size - 1) - fx_max(lo, first) + 1, 0);
+}
+
+/* What a triangle takes of a tile at most. */
+struct part {
+    uint32_t columns, rows, tested;
+    uint64_t cost;
+};
+
+/* Of the tile from (x, y) on. What a triangle covers of it is convex, as is the hull of the pixel centres in that: of these there are at most
+ * area + perimeter/2 + 1, and the perimeter is at most that of the box of centres. A fan's triangles do not overlap. */
+static struct part part_of(const struct raster_costs *c, const struct box *box, int32_t x, int32_t y)
+{
+    const uint32_t columns = overlap(box->x0, box->x1, x, RASTER_TILE_WIDTH);
+    const uint32_t rows = columns ? overlap(box->y0, box->y1, y, RASTER_TILE_HEIGHT) : 0;
+    const uint32_t tested = !rows ? 0 : fx_min_u(columns * rows, fx_add_sat_u(box->area, columns + rows - 1));
+    return (struct part){columns, rows, tested,
+                         box->cut ? fill_cost(c, FAN, FAN * rows, tested, true)
+                                  : fill_cost(c, 1, rows, tested, box->general)};
 }
 
 /* Regions of 2^shift by 2^shift samples that `columns` by `rows` samples from (x, y) of a tile on are in, as bits. */
@@ -188,24 +209,18 @@ static void bound_passes(struct raster_tile_bound *b, uint32_t material, uint32_
     b->regions |= (uint16_t)regions;
 }
 
-/* What it covers of a tile is convex, as is the hull of the pixel centres in that: of these there are at most area + perimeter/2 + 1, and the
- * perimeter is at most that of the box of centres. */
+/* A row of a triangle is a run at most when it is packed. */
 static void bound_triangle(struct raster_tile_bound *b, const struct raster *r, const struct box *box, int32_t x,
-                           int32_t y, uint32_t material, bool cut)
+                           int32_t y, uint32_t material)
 {
     const struct raster_costs *c = r->frame.costs;
-    const uint32_t columns = overlap(box->x0, box->x1, x, RASTER_TILE_WIDTH);
-    const uint32_t rows = columns ? overlap(box->y0, box->y1, y, RASTER_TILE_HEIGHT) : 0;
-    const uint32_t tested = !rows ? 0 : fx_min_u(columns * rows, fx_add_sat_u(box->area, columns + rows - 1));
-    /* A fan's triangles do not overlap. A row of a triangle is a run at most when it is packed. */
-    const uint64_t cost =
-        cut ? fill_cost(c, FAN, FAN * rows, tested, true) : fill_cost(c, 1, rows, tested, box->general);
-    b->least = fx_add_sat_u(b->least, cost_ticks(cost + (uint64_t)c->run * rows));
-    b->pixels = fx_add_sat_u(b->pixels, tested);
-    if (tested)
+    const struct part part = part_of(c, box, x, y);
+    b->least = fx_add_sat_u(b->least, cost_ticks(part.cost + (uint64_t)c->run * part.rows));
+    b->pixels = fx_add_sat_u(b->pixels, part.tested);
+    if (part.tested)
         bound_passes(b, material,
-                     regions_of((uint32_t)fx_max(box->x0 - x, 0), (uint32_t)fx_max(box->y0 - y, 0), columns, rows,
-                                RASTER_REGION_SHIFT + r->sample_shift));
+                     regions_of((uint32_t)fx_max(box->x0 - x, 0), (uint32_t)fx_max(box->y0 - y, 0), part.columns,
+                                part.rows, RASTER_REGION_SHIFT + r->sample_shift));
 }
 
 /* Adds a meshlet of the coarsest levels to the tiles that it touches. */
@@ -224,15 +239,39 @@ static void bound_coarse(struct raster *r, const struct raster_object *o, const 
         }
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         struct box box;
-        const enum facing facing =
-            triangle_box(&box, r, o, m, &r->frame.scene->triangles[m->triangle_first + i], VISIBLE_GET_SHIFT(flags));
-        if (facing == AWAY)
+        if (!find_box(&box, r, o, m, &r->frame.scene->triangles[m->triangle_first + i], VISIBLE_GET_SHIFT(flags)))
             continue;
         for (int32_t y = tiles->y0; y <= tiles->y1; y++)
             for (int32_t x = tiles->x0; x <= tiles->x1; x++)
                 bound_triangle(&r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x], r, &box, x * RASTER_TILE_WIDTH,
-                               y * RASTER_TILE_HEIGHT, o->material, facing == CUT);
+                               y * RASTER_TILE_HEIGHT, o->material);
     }
+}
+
+/* Drawing one of the levels wanted, at most. It is kept in reserve for falling back: where it is a part of the frame's budget that matters, it is
+ * bounded by triangles' boxes, as the sums of areas and perimeters alone can be ten times too high. */
+static void bound_largest(struct raster *r, const struct load *load, const struct raster_object *o,
+                          const struct scene_meshlet *m, const struct raster_tiles *tiles, uint32_t flags)
+{
+    const uint64_t budget = (uint64_t)r->frame.tile_budget * raster_tile_count(r);
+    const bool matters = budget && load->ticks > budget / WORTH_BOXES;
+    struct box boxes[SCENE_MESHLET_MAX_TRIANGLES];
+    uint32_t count = 0;
+    for (uint32_t i = 0; matters && i < m->triangle_count; i++)
+        count += find_box(&boxes[count], r, o, m, &r->frame.scene->triangles[m->triangle_first + i],
+                          VISIBLE_GET_SHIFT(flags));
+    for (int32_t y = tiles->y0; y <= tiles->y1; y++)
+        for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
+            struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
+            uint32_t ticks = load->ticks;
+            if (matters) {
+                uint64_t cost = 0;
+                for (uint32_t i = 0; i < count; i++)
+                    cost += part_of(r->frame.costs, &boxes[i], x * RASTER_TILE_WIDTH, y * RASTER_TILE_HEIGHT).cost;
+                ticks = fx_min_u(ticks, fx_add_sat_u(load->setup, cost_ticks(cost)));
+            }
+            b->largest = ticks > b->largest ? ticks : b->largest;
+        }
 }
 
 /* Adds one of the levels wanted. Of what may be filled about half is: triangles that face away, rows and edges that no pixel centre is in. */
@@ -251,7 +290,6 @@ static void bound_wanted(struct raster *r, const struct load *load, const struct
     for (int32_t y = tiles->y0; y <= tiles->y1; y++)
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
-            b->largest = load->ticks > b->largest ? load->ticks : b->largest;
             b->besides = fx_add_sat_u(b->besides, drawing);
             b->shown = fx_add_sat_u(b->shown, shown);
             b->demand = fx_add_sat_u(b->demand, demand);
@@ -402,6 +440,7 @@ static void bound_meshlet(struct raster *r, const struct raster_extent *e, const
         bound_coarse(r, o, m, tiles, flags);
     } else {
         find_load(&load, r, e, o, m, nearest, flags & VISIBLE_SMALL, cut);
+        bound_largest(r, &load, o, m, tiles, flags);
         bound_wanted(r, &load, e, tiles);
     }
 }

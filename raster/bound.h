@@ -10,6 +10,7 @@
  * gives the least w, the picture's corner the largest phi. A triangle of area a and perimeter p holds at most a + p/2 + 1 pixel centres
  * (Nosarzewska 1948), in at most p/2 + 1 rows. Hence
  *   pixels tested <= A_px + P_px/2 + T, rows <= P_px/2 + T, and never more than T times the tile's.
+ * Where that exceeds a thirty-second of the frame's budget, the meshlet's triangles are counted as those of the coarsest levels are.
  */
 #ifndef RASTER_BOUND_H
 #define RASTER_BOUND_H
