@@ -81,7 +81,7 @@ check-built: all demo-data tests fuzz-programs
 	@B=$(B) CC=$(CC) tests/run.sh
 
 check-long: deps-check ## check with ten times the random cases, then built by clang -O3 and by gcc -O0, without sanitizers
-	+@GONIOTILE_LONG=1 LIMIT=1800 $(MAKE) --no-print-directory check-built
+	$(AGAIN) check-built GONIOTILE_LONG=1 LIMIT=1800
 	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 WARN=-Wall SAN=
 	$(AGAIN) check-built B=$(B)/gcc-O0 CC=gcc OPT=-O0 SAN=
 

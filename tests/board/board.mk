@@ -113,6 +113,7 @@ work-built: $(WORK_PROGRAMS)
 
 # --- the firmware on the boards: the demo's scene and tables in a flash image ---
 $(B)/board/make_image: $(B)/host/tests/board/make_image.o $(LIBS)
+	@mkdir -p $(@D)
 	$(CC) -o $@ $^ -lz -lm
 $(B)/board/six_models_lafortune.json: host_tools/scenes/six_models.json
 	@mkdir -p $(@D)
@@ -128,6 +129,7 @@ $(B)/board/measured.img $(B)/board/lafortune_phong.img: $(B)/board/make_image $(
 
 # Frames at budgets on the boards.
 $(B)/board/make_input: $(B)/host/tests/board/budget/make_input.o $(B)/host/tests/budget/scenes.o $(LIBS)
+	@mkdir -p $(@D)
 	$(CC) -o $@ $^ -lz -lm
 $(B)/host/tests/board/budget/make_input.o: CORE_INC += -Itests/budget
 BUDGET_BOARDS := cortex-m3 cortex-m4 cortex-m7
@@ -168,6 +170,7 @@ $(HOST_HASHES:%=$(B)/board/host_hash-%): $(B)/board/host_hash-%: tests/board/hos
 	$(or $(HOST_HASH_CC_$*),gcc) -std=gnu11 $(HOST_HASH_FLAGS_$*) -Wall -Wextra -Werror $(CORE_INC) -o $@ $(filter %.c,$^)
 
 $(B)/board/compare_oled: $(B)/host/tests/board/compare_oled.o $(B)/libhost.a
+	@mkdir -p $(@D)
 	$(CC) -o $@ $^ -lm
 
 .PHONY: boards boards-build boards-built profile
