@@ -61,7 +61,7 @@ enum lut_status lut_open(struct lut_table *out, const void *file, size_t bytes);
  * Texels must be normalised (what encoders write): a large exponent with small mantissas costs its neighbours precision.
  * Specular frame: l parallel to n: phi_d is arbitrary; the first slice of a well-made table is constant over phi.
  * theta_in beyond the last slice clamps. Half-vector: exactly reciprocal; l = v: t is arbitrary, and so is all where l = -v.
- * Returns the number of texels fetched (0 or 8).
+ * Returns the number of texels that it stands for: 8, or 0 where n.l <= 0 or n.v <= 0.
  */
 unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v);
 

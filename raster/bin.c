@@ -8,7 +8,7 @@
 #include "bound.h"
 
 #define FIRST_THRESHOLD (1u << 12) /* 1/16 px: what doubling starts from where the scene asks for the finest levels */
-#define MAX_BIAS        30         /* 2^30 / 2^8 vertex units: beyond every level's error */
+#define MAX_BIAS        30         /* the coarsest levels */
 
 /* The newest run of a tile, as far as counting runs takes. */
 struct newest {
@@ -286,7 +286,7 @@ static const struct scene_lod *choose_level(struct binner *b, const struct raste
     const struct scene *s = b->r->frame.scene;
     const struct scene_mesh *mesh = &s->meshes[o->mesh];
     uint32_t error = s->header->lod_error ? o->max_error : 0, level = mesh->lod_count - 1;
-    if (b->at_coarsest)
+    if (b->at_coarsest || b->bias == MAX_BIAS)
         return &s->lods[mesh->lod_first + level];
     if (b->bias) { /* doubled as often, from 1 at least */
         error = o->max_error | (o->max_error == 0);
@@ -382,8 +382,10 @@ static enum raster_status check_frame(struct raster *r, const struct raster_fram
 {
     const unsigned shift = raster_sample_shift(f);
     if (!f->width || !f->height || f->width > RASTER_MAX_WIDTH >> shift || f->height > RASTER_MAX_HEIGHT >> shift ||
-        (f->samples > 1 && (f->samples != 4 || !f->parts->cells)))
+        (f->samples > 1 && (f->samples != 4 || !f->parts->cells || RASTER_TILE_WIDTH < 32 || RASTER_TILE_HEIGHT < 32)))
         return RASTER_ERR_SIZE;
+    if (f->light_count > SCENE_MAX_LIGHTS)
+        return RASTER_ERR_LIMIT;
     for (uint32_t i = 0; i < f->scene->header->objects.count; i++) {
         const struct scene_material *m = &f->materials[f->scene->objects[i].material];
         if (m->kind == SCENE_MATERIAL_MEASURED && (m->slot >= RASTER_MAX_SLOTS || !f->tables[m->slot])) {
@@ -396,7 +398,7 @@ static enum raster_status check_frame(struct raster *r, const struct raster_fram
         }
     }
     for (uint32_t i = 0; i < f->light_count; i++)
-        if (f->lights[i].kind == SCENE_LIGHT_POINT && !f->parts->point_lights)
+        if (f->lights[i].kind != SCENE_LIGHT_DIRECTIONAL && !f->parts->point_lights)
             return RASTER_ERR_POINT;
     return RASTER_OK;
 }
@@ -447,7 +449,7 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
             store_bins(&b);
         else
             count_bins(&b);
-        const bool too_much = !b.full && r->bounds && f->bounds->too_much(r, b.bias);
+        const bool too_much = !b.full && b.objects_stored && r->bounds && f->bounds->too_much(r, b.bias);
         if ((!b.full && !too_much) || b.coarsest || b.bias == MAX_BIAS)
             break;
     }

@@ -64,12 +64,14 @@ static inline uint32_t ray_length(uint32_t w, uint32_t start, uint32_t slope)
 }
 
 /* (n.h)^exponent * SHRINK^(exponent / 2), 1.0 = 2^32. In: 16 num/den = (n.h)^2 * SHRINK but for rounding, below 1 however inexact
- * the scene's unit vectors are; den > 0. */
+ * the scene's unit vectors are. */
 static inline uint32_t lobe(uint32_t num, uint32_t den, uint32_t squarings)
 {
-    unsigned z = fx_clz(den);
-    uint32_t q = (num << 3 << z) / (den << z >> 16), p;
-    p = (num < den >> 4 && q < 32767 ? q : 32767) << 17; /* for l near -v, h has few bits: no more than 1 */
+    uint32_t p = 32767u << 17;
+    if (num < den >> 4) { /* else l is near -v, where h has few bits, and den may be 0: no more than 1 */
+        const unsigned z = fx_clz(den);
+        p = fx_min_u((num << 3 << z) / (den << z >> 16), 32767) << 17;
+    }
     switch (squarings) {
     case 5:
         p = narrow(fx_mulhi_u(p, p)); /* fall through */

@@ -216,12 +216,14 @@ static inline uint8_t raster_value_format(const struct raster *r)
     return r->sample_shift ? RASTER_RGB888 : r->frame.format;
 }
 
+typedef uint16_t __attribute__((may_alias)) raster_pixel16; /* two of them in a word of the surface */
+
 /* Finished pixels from the tile's `at`-th on to where its pixels begin; values are `step` words apart. */
 static inline void raster_put_pixels(const struct raster *r, struct raster_tile *t, uint32_t at, const uint32_t *value,
                                      uint32_t step, uint32_t count)
 {
     if (r->frame.format == RASTER_RGB565) {
-        uint16_t *out = (uint16_t *)t->surface + at;
+        raster_pixel16 *out = (raster_pixel16 *)t->surface + at;
         for (; count; count--, value += step)
             *out++ = (uint16_t)*value;
         return;

@@ -422,8 +422,9 @@ uint32_t raster_shade_light(struct raster_tile *t, struct raster_block *block, c
 static bool is_clear(const struct raster *r, uint32_t x, uint32_t y, uint32_t pixels)
 {
     const struct vec3 v = raster_view_vector(r, x, y);
-    const uint32_t need = (uint32_t)((uint64_t)r->view.step * pixels << 16 >> VIEW_STEP_BITS) /
-                          (uint32_t)r->view.axis; /* Q15, at most 2^14 */
+    const uint32_t need =
+        fx_min_u((uint32_t)((uint64_t)r->view.step * pixels << 16 >> VIEW_STEP_BITS) / (uint32_t)r->view.axis,
+                 1u << 15); /* Q15 */
     for (uint32_t i = 0; i < r->directional; i++) {
         const struct vec3 l = r->lights[i].v;
         uint32_t c2, s2;

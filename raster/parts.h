@@ -20,7 +20,7 @@ struct raster_parts {
      * differ from the models' by their rounding. */
     const struct raster_rows *diffuse_rows, *blinn_phong_rows;
     const struct raster_points *point_lights;
-    /* 4 samples per pixel, and shading at less than full quality, which budgets choose. */
+    /* 4 samples per pixel, shading at less than full quality, which budgets choose, and raster_frame.memory. */
     const struct raster_cells *cells;
 };
 

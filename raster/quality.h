@@ -42,7 +42,8 @@ struct raster_quality {
     uint8_t lights; /* how many of a tile's lights are evaluated, the strongest first; RASTER_ALL_LIGHTS: all */
 };
 
-/* Begins a tile: as raster_render_tile, before its first meshlet. Out: *rect its place on the screen; *stats zero. */
+/* Begins a tile: as raster_render_tile, before its first meshlet. Out: *rect its place on the screen; *stats zero, but for
+ * what an empty tile costs. */
 void raster_tile_begin(const struct raster *r, uint32_t index, struct raster_tile *t, struct raster_rect *rect,
                        struct raster_stats *stats);
 
@@ -64,7 +65,8 @@ void raster_tile_restart(const struct raster *r, uint32_t index, struct raster_t
 const struct raster_survey *raster_tile_survey(const struct raster *r, struct raster_tile *t,
                                                const struct raster_rect *rect);
 
-/* Shades what waits in a region, after raster_tile_survey. Each region once. Surfaces of rate 1x1 that are shaded in rows wait on,
+/* Shades what waits in a region, after raster_tile_survey. Each region once. Rates but 1x1 and fewer lights than there are need cells among the
+ * frame's parts. Surfaces of rate 1x1 that are shaded in rows wait on,
  * for raster_tile_finish or raster_tile_free_slots. */
 void raster_tile_shade(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect, uint32_t region,
                        const struct raster_quality *q, struct raster_stats *stats);
@@ -73,7 +75,7 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
 void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                             struct raster_stats *stats);
 
-/* Packs the finished pixels, to raster_tile_pixels. */
+/* All regions having been shaded: packs the finished pixels, to raster_tile_pixels. */
 void raster_tile_finish(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                         struct raster_stats *stats);
 
@@ -105,7 +107,7 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
 
 /*
  * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make
- * calibrate. One table for each target.
+ * calibrate. One table for each target. Those of shading are below 2^17, all others below 2^20.
  */
 #define RASTER_COST_BITS 4u
 struct raster_costs {

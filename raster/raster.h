@@ -10,8 +10,8 @@
  *   }
  *
  * raster_begin culls meshlets and bins them to tiles; raster_render_tile transforms, rasterizes and shades one
- * tile. Tiles are independent: any order, any number of threads with one struct raster_tile each, and any tile
- * size give the same pixels.
+ * tile. Tiles are independent: any order and any number of threads, with one struct raster_tile each, give the same pixels. So does any tile
+ * size, but with 4 samples per pixel where a tile has more than RASTER_SLOTS - 1 meshlets: there a pixel may be a step off.
  */
 #ifndef RASTER_RASTER_H
 #define RASTER_RASTER_H
@@ -20,13 +20,16 @@
 #include "parts.h"
 #include "scene.h"
 
-/* Tile size in pixels; compile-time, both powers of two, at most 64. Does not change a pixel. */
+/* Tile size in samples; compile-time, both powers of two, 16 to 64; with 4 samples per pixel 32 or 64. */
 #ifndef RASTER_TILE_WIDTH
 #define RASTER_TILE_WIDTH 64
 #endif
 #ifndef RASTER_TILE_HEIGHT
 #define RASTER_TILE_HEIGHT 32
 #endif
+#define RASTER_TILE_EDGE(n) ((n) == 16 || (n) == 32 || (n) == 64)
+_Static_assert(RASTER_TILE_EDGE(RASTER_TILE_WIDTH) && RASTER_TILE_EDGE(RASTER_TILE_HEIGHT),
+               "blocks of 16 x 16 in a tile");
 
 #define RASTER_MAX_WIDTH  4096u
 #define RASTER_MAX_HEIGHT 4096u
@@ -40,10 +43,10 @@ enum raster_format {
 enum raster_status {
     RASTER_OK = 0,
     RASTER_ERR_SIZE, /* width or height zero or above RASTER_MAX_*, half of that with 4 samples; samples not 0, 1 or, with cells among
-                        the parts, 4 */
+                        the parts and tiles of at least 32 x 32, 4 */
     RASTER_ERR_ARENA, /* the arena is too small even for the coarsest levels: raster.arena_needed says what they take */
     RASTER_ERR_TABLE, /* a measured material's slot holds no table: raster.bad_material says whose */
-    RASTER_ERR_LIMIT, /* more than 65535 runs of meshlets in tiles at the coarsest levels */
+    RASTER_ERR_LIMIT, /* more than 65535 runs of meshlets in tiles at the coarsest levels, or than SCENE_MAX_LIGHTS lights */
     RASTER_ERR_BUDGET, /* tile_budget is too small: raster.budget_needed is the least */
     RASTER_ERR_MODEL, /* a material asks for a model that is not among the frame's parts: raster.bad_material says which */
     RASTER_ERR_POINT, /* a point light, and the frame's parts are without */
@@ -58,7 +61,8 @@ struct raster_learnt {
     uint8_t lod_bias;
 };
 
-/* Everything one frame is made from. Pointers stay owned by the caller and must outlive the frame. */
+/* Everything one frame is made from. Pointers stay owned by the caller and must outlive the frame. What is not the opened scene's own has
+ * passed scene_check_camera, _output, _light, _material: raster_begin looks at none of their values again. */
 struct raster_frame {
     const struct raster_parts *parts;
     const struct scene *scene;
@@ -66,11 +70,11 @@ struct raster_frame {
     const struct scene_output *output;
     const struct scene_light *lights;       /* light_count of them */
     const struct scene_material *materials; /* as many as the scene has */
-    const struct lut_table *const *tables;  /* RASTER_MAX_SLOTS pointers, NULL where a slot is empty */
+    const struct lut_table *const *tables;  /* never NULL: RASTER_MAX_SLOTS pointers, NULL where a slot is empty */
     uint16_t width, height;
-    uint8_t light_count;
-    uint8_t format;  /* enum raster_format */
-    uint8_t samples; /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
+    uint8_t light_count; /* at most SCENE_MAX_LIGHTS */
+    uint8_t format;      /* enum raster_format */
+    uint8_t samples;     /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
     const struct raster_costs *costs; /* what the target takes (quality.h); NULL: it is not counted */
     const struct raster_bounds
         *bounds;          /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
@@ -83,7 +87,7 @@ struct raster_rect {
     uint16_t x, y, width, height;
 };
 
-/* What a tile cost, in counts; all zero for a tile without a meshlet. */
+/* What a tile cost, in counts; all zero for a tile without a meshlet, but for cost. */
 struct raster_stats {
     uint32_t meshlets;  /* transformed */
     uint32_t triangles; /* front-facing ones set up */
@@ -293,8 +297,8 @@ struct raster_tile {
     struct raster_batch batch;
 };
 
-/* Bytes of arena that this very frame needs at the levels of detail that its threshold asks for; 0 when raster_begin would
- * fail for another reason. Runs the culling pass once for every 48 tiles. */
+/* Bytes of arena that this very frame needs at the levels of detail that its threshold asks for, whatever its budget; 0 when raster_begin
+ * would fail for another reason. Runs the culling pass once for every 48 tiles, with bounds twice. */
 size_t raster_arena_bytes(const struct raster_frame *f);
 
 /*
@@ -322,7 +326,8 @@ static inline uint32_t raster_tile_at(const struct raster *r, uint32_t i)
 
 /* Renders tile `index` (row-major, < raster_tile_count). *rect is its place on the screen, cut at the picture's
  * right and bottom edge; pixels are rect->width * rect->height, row by row without padding, at
- * raster_tile_pixels(work), valid until work is used again. */
+ * raster_tile_pixels(work), valid until work is used again. They were stored as words, too: read 16-bit ones by memcpy, DMA or a type that may
+ * alias. */
 void raster_render_tile(const struct raster *r, uint32_t index, struct raster_tile *work, struct raster_rect *rect,
                         struct raster_stats *stats);
 

@@ -98,24 +98,24 @@ enum scene_status scene_check_light(const struct scene_light *l)
     return is_unit(l->direction) ? SCENE_OK : SCENE_ERR_LIGHT;
 }
 
-static bool material_is_valid(const struct scene_material *m)
+enum scene_status scene_check_material(const struct scene_material *m)
 {
     if (m->kind >= SCENE_MATERIAL_KIND_COUNT || m->slot > MAX_SLOT || m->reserved[0] || m->reserved[1] ||
         m->exponent > MAX_EXPONENT || m->metalness > ONE_Q16 || m->roughness > ONE_Q16)
-        return false;
+        return SCENE_ERR_MATERIAL;
     if (m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS &&
         (m->roughness < SCENE_MIN_ROUGHNESS || (m->ks[0] | m->ks[1] | m->ks[2])))
-        return false;
+        return SCENE_ERR_MATERIAL;
     for (int i = 0; i < 3; i++)
         if (m->kd[i] > ONE_Q16 || m->ks[i] > ONE_Q16)
-            return false;
+            return SCENE_ERR_MATERIAL;
     bool ended = false;
     for (unsigned i = 0; i < sizeof m->name; i++) {
         ended = ended || m->name[i] == 0;
         if (ended ? m->name[i] != 0 : m->name[i] < ' ' || m->name[i] > '~')
-            return false;
+            return SCENE_ERR_MATERIAL;
     }
-    return ended; /* at least one NUL, so that it is a C string */
+    return ended ? SCENE_OK : SCENE_ERR_MATERIAL; /* at least one NUL, so that it is a C string */
 }
 
 static bool object_is_valid(const struct scene_object *o, uint32_t mesh_count, uint32_t material_count)
@@ -257,7 +257,7 @@ static enum scene_status check_elements(const struct scene *s)
     if (status != SCENE_OK)
         return status;
     for (uint32_t i = 0; i < h->materials.count; i++)
-        if (!material_is_valid(&s->materials[i]))
+        if (scene_check_material(&s->materials[i]) != SCENE_OK)
             return SCENE_ERR_MATERIAL;
     for (uint32_t i = 0; i < h->objects.count; i++)
         if (!object_is_valid(&s->objects[i], h->meshes.count, h->materials.count))

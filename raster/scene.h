@@ -147,7 +147,7 @@ struct scene_triangle {
     uint8_t v[3];
 };
 
-/* At least the length of (x, y, z), at most 1.23 times it: the largest magnitude plus half of the others'. In: |x|, |y|, |z| < 2^61. */
+/* At least the length of (x, y, z), at most 1.42 times it: the largest magnitude plus half of the others'. In: |x|, |y|, |z| < 2^61. */
 static inline uint64_t scene_length(int64_t x, int64_t y, int64_t z)
 {
     const uint64_t a = fx_magnitude(x), b = fx_magnitude(y), c = fx_magnitude(z), ab = a > b ? a : b;
@@ -232,5 +232,6 @@ enum scene_status scene_open(struct scene *out, const void *blob, size_t bytes);
 enum scene_status scene_check_camera(const struct scene_camera *c);
 enum scene_status scene_check_output(const struct scene_output *o);
 enum scene_status scene_check_light(const struct scene_light *l);
+enum scene_status scene_check_material(const struct scene_material *m);
 
 #endif

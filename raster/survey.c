@@ -139,7 +139,7 @@ const struct raster_survey *raster_tile_survey(const struct raster *r, struct ra
     s->regions = RASTER_REGIONS(rect->width) * RASTER_REGIONS(rect->height);
     s->slots = t->slot_count;
     s->edges = 0;
-    t->memory = r->frame.memory;
+    t->memory = r->frame.parts->cells ? r->frame.memory : NULL;
     find_classes(r, t);
     __builtin_memset(s->area, 0, s->classes * sizeof s->area[0]);
     __builtin_memset(t->m.shading.flat, 0, sizeof t->m.shading.flat);

@@ -169,9 +169,10 @@ void raster_project(struct raster_vertex *p, const struct raster_object *o, cons
 void raster_view_setup(struct raster_view *v, const struct scene_camera *c, uint16_t width, uint16_t height)
 {
     uint64_t axis = (uint64_t)height * c->focal; /* where half a pixel is 2^16: 2^8 .. 2^36 */
-    uint64_t half = (uint64_t)(width > height ? width : height) << 16;
-    int32_t drop = bit_length(axis > half ? axis : half) - 15; /* 2 .. 21 */
-    v->axis = (int32_t)(axis >> drop);
+    /* A region is looked at in its middle, 8 pixels from its corner, whether that is in the picture or not. */
+    uint64_t half = (uint64_t)fx_max(16, width > height ? width : height) << 16;
+    int32_t drop = bit_length(axis > half ? axis : half) - 15; /* 6 .. 22 */
+    v->axis = fx_max((int32_t)(axis >> drop), 1);              /* no ray has length 0 */
     v->step = 1 << (16 + VIEW_STEP_BITS - drop);
 }
 

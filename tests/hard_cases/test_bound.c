@@ -94,6 +94,29 @@ static struct sums frame_within_bounds(const struct raster_frame *f)
     return sums;
 }
 
+/* Under the least budget, where what meshlets take at most is a part of it that matters: drawn one by one, none takes more. */
+static void meshlets_stay_within_the_largest(const struct raster_frame *frame)
+{
+    struct raster_frame f = *frame;
+    struct raster r;
+    struct raster_rect rect;
+    struct raster_stats stats;
+    assert_int_equal(raster_begin(&r, &f, arena, sizeof arena), RASTER_OK);
+    f.tile_budget = r.budget_needed > 1 ? r.budget_needed : 1;
+    assert_int_equal(raster_begin(&r, &f, arena, sizeof arena), RASTER_OK);
+    for (uint32_t t = 0; t < raster_tile_count(&r); t++) {
+        enum raster_drawing drawn = RASTER_MORE;
+        raster_tile_begin(&r, t, &work, &rect, &stats);
+        while (drawn == RASTER_MORE) {
+            const uint32_t triangles = stats.triangles, tested = stats.tested;
+            drawn = raster_tile_draw(&r, &work, 1, &stats);
+            assert_true((f.costs == &of_tested ? stats.tested - tested : stats.triangles - triangles) <=
+                        r.bounds[t].largest);
+        }
+        assert_int_equal(drawn, RASTER_DRAWN);
+    }
+}
+
 /* Every mesh with its last level alone. */
 static void keep_coarsest(struct scene *out, struct scene_mesh meshes[6])
 {
@@ -162,6 +185,7 @@ static void random_triangles_stay_within_their_bounds(void **state)
         o.frame.bounds = &raster_tile_bounds;
         o.frame.samples = n & 8 ? 4 : 1;
         struct sums s = frame_within_bounds(&o.frame);
+        meshlets_stay_within_the_largest(&o.frame);
         if (o.frame.costs == &of_tested) {
             bound += s.bound;
             counted += s.counted;

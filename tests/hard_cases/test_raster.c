@@ -2,6 +2,7 @@
  * The rasterizer through its public interface: empty scenes, odd pictures, crowded tiles, orders of tiles, refusals.
  */
 #include "internal.h"
+#include "quality.h"
 #include "scene_fixture.h"
 
 static void scene_without_objects_is_background(void **state)
@@ -61,24 +62,145 @@ static void sizes_out_of_range_are_refused(void **state)
     ref_blob_free(&b);
 }
 
+/* A box inside which the camera is and many objects in it, so that there is an arena that holds a part of them. */
 static void small_arena_says_what_is_needed(void **state)
 {
     (void)state;
+    static const struct raster_costs costs = {.tile = 1600, .tested = 160};
     struct ref_blob b = new_scene();
     struct opened o;
     ref_blob_object(&b, add_cube(&b, 32000, 5, true), 0, origin, 1);
+    const unsigned wall = add_wall(&b, -300, -300, 300, 300);
+    for (int i = 0; i < 30; i++)
+        ref_blob_object(&b, wall, 0, (const double[3]){0, 0, -2}, 1. / 300);
     open_scene(&o, &b, 320, 240);
-    size_t needed = raster_arena_bytes(&o.frame);
-    assert_true(needed > 0);
-    for (size_t bytes = 0; bytes < needed; bytes += bytes + 64 < needed ? 61 : 1) {
-        struct raster r;
-        void *arena = malloc(bytes);
-        assert_int_equal(raster_begin(&r, &o.frame, arena, bytes), RASTER_ERR_ARENA);
-        assert_int_equal(r.arena_needed, needed);
-        free(arena);
+    for (int bounded = 0; bounded < 2; bounded++) {
+        o.frame.costs = bounded ? &costs : NULL;
+        o.frame.bounds = bounded ? &raster_tile_bounds : NULL;
+        size_t needed = raster_arena_bytes(&o.frame);
+        assert_true(needed > 0);
+        for (size_t bytes = 0; bytes < needed; bytes += bytes + 64 < needed ? 61 : 1) {
+            struct raster r;
+            void *arena = malloc(bytes);
+            assert_int_equal(raster_begin(&r, &o.frame, arena, bytes), RASTER_ERR_ARENA);
+            assert_int_equal(r.arena_needed, needed);
+            free(arena);
+        }
+        struct picture p = render_frame(&o.frame, FORWARD); /* with just that */
+        assert_int_equal(count_surface(&p), 320 * 240);
+        free(p.rgb);
     }
-    struct picture p = render_frame(&o.frame, FORWARD); /* with just that */
-    assert_int_equal(count_surface(&p), 320 * 240);
+    free(o.blob);
+    ref_blob_free(&b);
+}
+
+static void too_many_lights_are_refused(void **state)
+{
+    (void)state;
+    struct scene_light lights[SCENE_MAX_LIGHTS + 1];
+    struct ref_blob b = new_scene();
+    struct opened o;
+    struct raster r;
+    ref_blob_object(&b, add_wall(&b, -100, -100, 100, 100), 0, (const double[3]){0, 0, -1}, 1);
+    open_scene(&o, &b, 32, 32);
+    for (unsigned i = 0; i <= SCENE_MAX_LIGHTS; i++)
+        lights[i] = o.scene.lights[i % o.scene.header->lights.count];
+    o.frame.lights = lights;
+    o.frame.light_count = SCENE_MAX_LIGHTS;
+    free(render_frame(&o.frame, FORWARD).rgb);
+    o.frame.light_count = SCENE_MAX_LIGHTS + 1;
+    assert_int_equal(raster_begin(&r, &o.frame, NULL, 0), RASTER_ERR_LIMIT);
+    free(o.blob);
+    ref_blob_free(&b);
+}
+
+/* Wide and low pictures, the widest angles, an odd number of pixels: the middle one's ray would have no length. Regions at rate flat are seen from
+ * their middle, be the picture smaller. */
+static void no_view_ray_is_lost(void **state)
+{
+    (void)state;
+    static const uint16_t sizes[][2] = {{511, 3}, {1023, 7}, {4095, 27}, {1, 1}, {3, 3}, {6, 5}};
+    const struct raster_quality flat = {.rate = {[0 ... RASTER_CLASSES - 1] = RASTER_RATE_FLAT},
+                                        .lights = RASTER_ALL_LIGHTS};
+    static uint64_t arena[1 << 14];
+    struct raster_tile *work = malloc(sizeof *work);
+    struct ref_blob b = new_scene();
+    struct opened o;
+    random_state = 5;
+    ref_blob_object(&b, add_cube(&b, 32000, 3, true), 0, origin, 1);
+    b.focal = 0x1p-8;
+    for (unsigned i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        open_scene(&o, &b, sizes[i][0], sizes[i][1]);
+        struct picture p = render_frame(&o.frame, FORWARD);
+        assert_int_equal(p.covered, p.width * p.height);
+        free(p.rgb);
+        struct raster r;
+        uint32_t covered = 0;
+        assert_int_equal(raster_begin(&r, &o.frame, arena, sizeof arena), RASTER_OK);
+        for (uint32_t t = 0; t < raster_tile_count(&r); t++) {
+            struct raster_rect rect;
+            struct raster_stats stats;
+            raster_tile_begin(&r, t, work, &rect, &stats);
+            assert_int_equal(raster_tile_draw(&r, work, UINT32_MAX, &stats), RASTER_DRAWN);
+            const struct raster_survey *survey = raster_tile_survey(&r, work, &rect);
+            for (uint32_t k = 0; k < survey->regions; k++)
+                raster_tile_shade(&r, work, &rect, k, &flat, &stats);
+            raster_tile_finish(&r, work, &rect, &stats);
+            covered += stats.covered;
+        }
+        assert_int_equal(covered, (uint32_t)sizes[i][0] * sizes[i][1]);
+        free(o.blob);
+    }
+    free(work);
+    ref_blob_free(&b);
+}
+
+/* A light from behind that shines past the eye: at one pixel l + v rounds to a vector of no length, where n.l is not 0. */
+static void light_against_the_view_has_a_lobe(void **state)
+{
+    (void)state;
+    enum { W = 320, H = 240, X = 272, Y = 176 };
+    const struct scene_light light = {.direction = {387440544, -194367620, -982360707},
+                                      .irradiance = {65536, 65536, 65536}};
+    const struct scene_material material = {.kind = SCENE_MATERIAL_BLINN_PHONG,
+                                            .kd = {32768, 32768, 32768},
+                                            .ks = {32768, 32768, 32768},
+                                            .exponent = 32 << 16,
+                                            .roughness = 32768,
+                                            .name = "glossy"};
+    struct ref_blob b = new_scene();
+    struct opened o;
+    b.focal = 158217 / 65536.0;
+    const double axis = b.focal * H / 2, ray[3] = {(X + 0.5 - W / 2) / axis, -(Y + 0.5 - H / 2) / axis, -1},
+                 pull = 1 / sqrt(ray[0] * ray[0] + ray[1] * ray[1] + 1);
+    double n[3], h[3], right[3], length = 0, h_length = 0;
+    for (int i = 0; i < 3; i++) {
+        h[i] = light.direction[i] * 0x1p-30 - ray[i] * pull;
+        h_length += h[i] * h[i];
+    }
+    for (int i = 0; i < 3; i++) { /* between h and the eye */
+        n[i] = 0.9 * h[i] / sqrt(h_length) - 0.3 * ray[i] * pull;
+        length += n[i] * n[i];
+    }
+    for (int i = 0; i < 3; i++)
+        n[i] /= sqrt(length);
+    right[0] = n[2] / hypot(n[0], n[2]), right[1] = 0, right[2] = -n[0] / hypot(n[0], n[2]);
+    const double up[3] = {n[1] * right[2], n[2] * right[0] - n[0] * right[2], -n[1] * right[0]};
+    int16_t v[4][3];
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < 3; i++)
+            v[k][i] = (int16_t)lrint(16000 * ((k == 1 || k == 2 ? right[i] : -right[i]) + (k >= 2 ? up[i] : -up[i])));
+    const uint16_t t[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    ref_blob_object(&b, ref_blob_mesh(&b, (const int16_t(*)[3])v, t, 2), 0,
+                    (const double[3]){5 * ray[0], 5 * ray[1], -5}, 1. / 16000);
+    open_scene(&o, &b, W, H);
+    assert_int_equal(scene_check_light(&light), SCENE_OK);
+    assert_int_equal(scene_check_material(&material), SCENE_OK);
+    o.frame.lights = &light;
+    o.frame.light_count = 1;
+    o.frame.materials = &material;
+    struct picture p = render_frame(&o.frame, FORWARD);
+    assert_false(is_background(&p, X, Y));
     free(p.rgb);
     free(o.blob);
     ref_blob_free(&b);
@@ -307,6 +429,9 @@ int main(void)
         cmocka_unit_test(pictures_of_extreme_shape_are_complete),
         cmocka_unit_test(sizes_out_of_range_are_refused),
         cmocka_unit_test(small_arena_says_what_is_needed),
+        cmocka_unit_test(too_many_lights_are_refused),
+        cmocka_unit_test(no_view_ray_is_lost),
+        cmocka_unit_test(light_against_the_view_has_a_lobe),
         cmocka_unit_test(frame_that_asks_for_a_missing_part_is_refused),
         cmocka_unit_test(missing_table_is_refused_with_its_material),
         cmocka_unit_test(a_tile_lists_every_meshlet),
