@@ -15,37 +15,14 @@ static const uint8_t identifier[12] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb,
     bit, 0, 8, channel, 0, 0, 0, 0, 0, 0, 0, 0, 0x00, 0x21, 0, 0, /* 0..8448 */                                        \
         27, 0, 4, channel | 0x20, 0, 0, 0, 0, 15, 0, 0, 0, 31, 0, 0, 0
 
-static const uint8_t descriptor[DESCRIPTOR_BYTES] = {124,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0, /* total size; Khronos basic descriptor */
-                                                     2,
-                                                     0,
-                                                     120,
-                                                     0,
-                                                     1,
-                                                     1,
-                                                     1,
-                                                     0, /* version, block size; RGBSDA, BT.709, linear, no flags */
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     4,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0,
-                                                     0, /* 1x1x1x1 block, 4 bytes in plane 0 */
-                                                     SAMPLES(0, 0),
-                                                     SAMPLES(1, 9),
-                                                     SAMPLES(2, 18)};
+// clang-format off
+static const uint8_t descriptor[DESCRIPTOR_BYTES] = {
+    124, 0, 0, 0, 0, 0, 0, 0,                         /* total size; Khronos basic descriptor */
+    2, 0, 120, 0, 1, 1, 1, 0,                         /* version, block size; RGBSDA, BT.709, linear, no flags */
+    0, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0,               /* 1x1x1x1 block, 4 bytes in plane 0 */
+    SAMPLES(0, 0), SAMPLES(1, 9), SAMPLES(2, 18),
+};
+// clang-format on
 
 const char *lut_status_text(enum lut_status s)
 {

@@ -162,10 +162,7 @@ enum lut_status lut_open(struct lut_table *out, const void *file, size_t bytes)
 
 unsigned lut_eval(struct lut_rgb *out, const struct lut_table *t, struct vec3 n, struct vec3 l, struct vec3 v)
 {
-    /* Wrapping sums: equal to fx_dot for unit vectors, and defined for any others. */
-    int32_t nl = (int32_t)((uint32_t)(n.x * l.x) + (uint32_t)(n.y * l.y) + (uint32_t)(n.z * l.z));
-    int32_t nv = (int32_t)((uint32_t)(n.x * v.x) + (uint32_t)(n.y * v.y) + (uint32_t)(n.z * v.z));
-    if (nl <= 0 || nv <= 0) {
+    if (dot_wrapping(n, l) <= 0 || dot_wrapping(n, v) <= 0) {
         *out = (struct lut_rgb){{0, 0, 0}, 0};
         return 0;
     }

@@ -14,12 +14,6 @@ struct coordinates { /* 180 degrees = 2^28, a full turn of phi_d = 2^28 */
     uint32_t phi_d, theta_d, theta_in;
 };
 
-/* Wrapping products and sums: equal to fx_dot for unit vectors, and defined for any others. */
-static int32_t dot_wrapping(struct vec3 a, struct vec3 b)
-{
-    return (int32_t)((uint32_t)(a.x * b.x) + (uint32_t)(a.y * b.y) + (uint32_t)(a.z * b.z));
-}
-
 static int32_t cross_wrapping(int32_t a, int32_t b, int32_t c, int32_t d)
 {
     return (int32_t)((uint32_t)(a * b) - (uint32_t)(c * d));

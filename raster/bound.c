@@ -57,6 +57,13 @@ static void bound_object(struct raster_extent *e, const struct raster *r, const 
     e->pixel_cost = full_cost(r, o->material);
 }
 
+/* Of a meshlet, whatever faces the eye. */
+static uint64_t setup_cost(const struct raster_costs *c, const struct scene_meshlet *m, bool small)
+{
+    return c->meshlet + (uint64_t)c->vertex * m->vertex_count +
+           ((uint64_t)c->triangle + (small ? 0 : c->general)) * m->triangle_count;
+}
+
 /* Of triangles that face the eye, of rows and pixels; `general`: in general.c. */
 static uint64_t fill_cost(const struct raster_costs *c, uint32_t facing, uint32_t rows, uint32_t tested, bool general)
 {
@@ -90,8 +97,7 @@ static void find_load(struct load *load, const struct raster *r, const struct ra
     const uint32_t sum = fx_add_sat_u(half, triangles), all = triangles * (RASTER_TILE_HEIGHT * (cut ? FAN : 1));
     const uint32_t rows = cut || sum > all ? all : sum; /* what clipping adds has edges of its own */
     const uint32_t tested = fx_min_u(fx_add_sat_u(load->shown, sum), triangles * RASTER_TILE_PIXELS);
-    const uint64_t triangle = (uint64_t)c->triangle + (small ? 0 : c->general);
-    const uint64_t setup = c->meshlet + (uint64_t)c->vertex * m->vertex_count + triangle * triangles;
+    const uint64_t setup = setup_cost(c, m, small);
     load->setup = cost_ticks(setup);
     /* Thin triangles of any meshlet may be filled in general coordinates. */
     load->ticks = cost_ticks(setup + fill_cost(c, cut ? FAN * triangles : triangles, rows, tested, true));
@@ -227,10 +233,7 @@ static void bound_triangle(struct raster_tile_bound *b, const struct raster *r, 
 static void bound_coarse(struct raster *r, const struct raster_object *o, const struct scene_meshlet *m,
                          const struct raster_tiles *tiles, uint32_t flags)
 {
-    const struct raster_costs *c = r->frame.costs;
-    const uint32_t ticks =
-        cost_ticks(c->meshlet + (uint64_t)c->vertex * m->vertex_count +
-                   ((uint64_t)c->triangle + (flags & VISIBLE_SMALL ? 0 : c->general)) * m->triangle_count);
+    const uint32_t ticks = cost_ticks(setup_cost(r->frame.costs, m, flags & VISIBLE_SMALL));
     for (int32_t y = tiles->y0; y <= tiles->y1; y++)
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];

@@ -18,14 +18,14 @@ static const uint16_t place[16] = {PLACES(0), PLACES(1), PLACES(2), PLACES(3)};
 static inline uint32_t first_slot(const uint32_t word[4])
 {
     const uint32_t w = word[0] ? word[0] : word[1] ? word[1] : word[2] ? word[2] : word[3];
-    return w ? w >> (24 - (fx_clz(w) & 24u)) : 0;
+    return w ? raster_first_slot(w) : 0;
 }
 
 /* Removes a slot from a word of four; returns where it was, the highest bits of a mask. */
 static inline uint32_t mask_four(uint32_t *word, uint32_t slot)
 {
     const uint32_t differs = raster_slots_differ(*word, slot);
-    *word &= differs - (differs >> 7);
+    *word = raster_keep_slots(*word, differs);
     return (differs ^ 128 * EACH_SLOT) * ((1u << 21) + (1u << 14) + (1u << 7) + 1) & 0xf0000000u;
 }
 

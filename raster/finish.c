@@ -4,16 +4,8 @@
  */
 #include "shade.h"
 
-struct output {
-    const struct raster *r;
-    struct raster_tile *t;
-    uint32_t width, height; /* pixels */
-    uint32_t x0, y0;        /* the tile's first pixel */
-    uint8_t format;         /* of a finished value: the frame's, but RGB888 where samples will be averaged */
-};
-
 /* Pixels of one value from the tile's `at`-th on, three words at a time. */
-static void fill_run(const struct output *o, uint32_t at, uint32_t value, uint32_t count)
+static void fill_run(const struct shading *o, uint32_t at, uint32_t value, uint32_t count)
 {
     const bool narrow = o->r->frame.format == RASTER_RGB565;
     const uint32_t group = narrow ? 6 : 4, first = fx_min_u(count, (narrow ? at : 0 - at) % (narrow ? 2 : 4));
@@ -33,7 +25,7 @@ static void fill_run(const struct output *o, uint32_t at, uint32_t value, uint32
 }
 
 /* Shades a run of pixels of one slot into the batch's radiance, finished. A run is at most a row, thus a batch, long. */
-static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t x, uint32_t y, uint32_t count,
+static const uint32_t *shade_run(const struct shading *o, uint32_t slot, uint32_t x, uint32_t y, uint32_t count,
                                  struct raster_stats *stats)
 {
     struct raster_batch *b = &o->t->batch;
@@ -53,18 +45,8 @@ static const uint32_t *shade_run(const struct output *o, uint32_t slot, uint32_t
     return b->radiance[0];
 }
 
-/* How many pixels from x on have its slot. */
-static uint32_t run_length(const struct output *o, uint32_t x, uint32_t y)
-{
-    const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH;
-    uint32_t slot = raster_slot_of(&row[x]), end = x + 1;
-    while (end < o->width && raster_slot_of(&row[end]) == slot)
-        end++;
-    return end - x;
-}
-
 /* Pixels without a slot from x on: shaded before, or background. Returns where they end. */
-static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t x, uint32_t y,
+static uint32_t plain_run(const struct shading *o, uint32_t background, uint32_t x, uint32_t y,
                           struct raster_stats *stats)
 {
     const struct raster_surface *row = o->t->surface + y * RASTER_TILE_WIDTH, *s = row + x, *end = row + o->width;
@@ -82,7 +64,7 @@ static uint32_t plain_run(const struct output *o, uint32_t background, uint32_t 
     return (uint32_t)(s - row);
 }
 
-static void finish_rows(const struct output *o, struct raster_stats *stats)
+static void finish_rows(const struct shading *o, struct raster_stats *stats)
 {
     const uint32_t background = raster_background(&o->r->frame, o->format);
     o->t->batch.diffuse_material = 0;
@@ -93,7 +75,7 @@ static void finish_rows(const struct output *o, struct raster_stats *stats)
                 x = plain_run(o, background, x, y, stats);
                 continue;
             }
-            uint32_t count = run_length(o, x, y);
+            const uint32_t count = (uint32_t)(run_end(&row[x], row + o->width) - &row[x]);
             stats->covered += count;
             raster_put_pixels(o->r, o->t, y * o->width + x, shade_run(o, raster_slot_of(&row[x]), x, y, count, stats),
                               1, count);
@@ -102,21 +84,10 @@ static void finish_rows(const struct output *o, struct raster_stats *stats)
     }
 }
 
-static struct output make_output(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
-{
-    return (struct output){.r = r,
-                           .t = t,
-                           .width = rect->width,
-                           .height = rect->height,
-                           .x0 = rect->x,
-                           .y0 = rect->y,
-                           .format = raster_value_format(r)};
-}
-
 void raster_tile_finish(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                         struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect);
+    const struct shading o = tile_shading(r, t, rect);
     if (t->memory)
         r->frame.parts->cells->remember(t);
     if (r->sample_shift)
@@ -130,14 +101,15 @@ void raster_tile_finish(const struct raster *r, struct raster_tile *t, const str
 void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
                             struct raster_stats *stats)
 {
-    const struct output o = make_output(r, t, rect);
+    const struct shading o = tile_shading(r, t, rect);
     if (t->memory)
         r->frame.parts->cells->remember(t);
     t->batch.diffuse_material = 0;
     for (uint32_t y = 0; y < o.height && !r->sample_shift; y++)
         for (uint32_t x = 0; x < o.width;) {
             struct raster_surface *s = &t->surface[y * RASTER_TILE_WIDTH + x];
-            const uint32_t slot = raster_slot_of(s), count = slot ? run_length(&o, x, y) : 1;
+            const uint32_t slot = raster_slot_of(s);
+            const uint32_t count = slot ? (uint32_t)(run_end(s, s + o.width - x) - s) : 1;
             if (slot) {
                 const uint32_t *value = shade_run(&o, slot, x, y, count, stats);
                 for (uint32_t i = 0; i < count; i++)

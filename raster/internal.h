@@ -198,6 +198,16 @@ static inline uint32_t raster_slots_differ(uint32_t four, uint32_t slot)
 {
     return ((four ^ slot * EACH_SLOT) + 127 * EACH_SLOT) & 128 * EACH_SLOT;
 }
+/* The first of four that is not 0. In: there is one. */
+static inline uint32_t raster_first_slot(uint32_t four)
+{
+    return four >> (24 - (fx_clz(four) & 24u));
+}
+/* Those that differ, others 0. */
+static inline uint32_t raster_keep_slots(uint32_t four, uint32_t differs)
+{
+    return four & (differs - (differs >> 7));
+}
 
 /* A finished pixel or sample in its surface's place. */
 static inline void raster_put_colour(struct raster_surface *s, uint32_t value)

@@ -110,7 +110,8 @@ void raster_find_lights(const struct raster *r, struct raster_tile *t, const str
         r->frame.parts->point_lights->find_box(r, t, rect);
     t->light_count = 0;
     for (uint32_t i = 0; i < r->frame.light_count; i++)
-        if (i < r->directional || r->frame.parts->point_lights->reaches(t, &r->lights[i])) {
+        if (i < r->directional ||
+            r->frame.parts->point_lights->reaches(&t->m.shading.box, &r->lights[i].v, r->lights[i].radius)) {
             t->light_reaches[i / 32] |= 1u << i % 32;
             t->light_count++;
         }
@@ -126,7 +127,8 @@ static uint32_t light_strength(const struct raster *r, const struct raster_tile 
         most = l->irradiance[k] > most ? l->irradiance[k] : most;
     if (!l->radius)
         return most;
-    return (uint32_t)((uint64_t)most * r->frame.parts->point_lights->attenuation(t, l) >> 30);
+    return (uint32_t)((uint64_t)most * r->frame.parts->point_lights->attenuation(&t->m.shading.box, &l->v, l->radius) >>
+                      30);
 }
 
 void raster_choose_lights(const struct raster *r, struct raster_tile *t, uint32_t count)

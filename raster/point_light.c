@@ -185,14 +185,5 @@ static void find_box(const struct raster *r, struct raster_tile *t, const struct
     raster_light_box_setup(&t->m.shading.box, r, rect, nearest, farthest);
 }
 
-static bool reaches(const struct raster_tile *t, const struct raster_light *light)
-{
-    return raster_light_box_reached(&t->m.shading.box, &light->v, light->radius);
-}
-
-static uint32_t attenuation_most(const struct raster_tile *t, const struct raster_light *light)
-{
-    return raster_light_box_attenuation(&t->m.shading.box, &light->v, light->radius);
-}
-
-const struct raster_points raster_point_lights = {raster_light_position, light_at, find_box, reaches, attenuation_most};
+const struct raster_points raster_point_lights = {raster_light_position, light_at, find_box, raster_light_box_reached,
+                                                  raster_light_box_attenuation};

@@ -16,8 +16,8 @@ struct raster_points {
                uint32_t x, uint32_t y, uint32_t depth);
     /* The tile's box; then of a light whether it reaches it, and the largest attenuation in it. */
     void (*find_box)(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect);
-    bool (*reaches)(const struct raster_tile *t, const struct raster_light *light);
-    uint32_t (*attenuation)(const struct raster_tile *t, const struct raster_light *light);
+    bool (*reaches)(const struct raster_light_box *box, const struct vec3 *position, uq16_16_t radius);
+    uint32_t (*attenuation)(const struct raster_light_box *box, const struct vec3 *position, uq16_16_t radius);
 };
 
 /* A light's position in eye space, q16_16, within one unit (2^-16) but for the saturation. Once a light and frame. */

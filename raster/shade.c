@@ -195,15 +195,9 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
     const uint32_t columns = RASTER_REGIONS(rect->width), x = region % columns << RASTER_REGION_SHIFT,
                    y = region / columns << RASTER_REGION_SHIFT;
     struct raster_block block;
-    struct shading o = {.r = r,
-                        .t = t,
-                        .block = &block,
-                        .x0 = rect->x,
-                        .y0 = rect->y,
-                        .width = rect->width,
-                        .height = rect->height,
-                        .quality = q,
-                        .format = raster_value_format(r)};
+    struct shading o = tile_shading(r, t, rect);
+    o.block = &block;
+    o.quality = q;
     block.shift = RASTER_BLOCK_SHIFT + 1; /* none */
     block.material = UINT32_MAX;
     block.scaled = false;

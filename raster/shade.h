@@ -100,6 +100,18 @@ __attribute__((always_inline)) static inline void set_pixel(struct raster_batch_
     p->at = at;
 }
 
+/* A tile's, before anything of it is shaded. */
+static inline struct shading tile_shading(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect)
+{
+    return (struct shading){.r = r,
+                            .t = t,
+                            .x0 = rect->x,
+                            .y0 = rect->y,
+                            .width = rect->width,
+                            .height = rect->height,
+                            .format = raster_value_format(r)};
+}
+
 static inline void set_material(struct shading *o, uint32_t material)
 {
     o->material = o->t->batch.material = material;

@@ -14,7 +14,7 @@ static uint32_t take_slot(uint32_t *word, uint32_t words, uint32_t slot)
     for (uint32_t i = 0; i < words; i++) {
         const uint32_t differs = raster_slots_differ(word[i], slot);
         others += differs >> 7;
-        word[i] &= differs - (differs >> 7);
+        word[i] = raster_keep_slots(word[i], differs);
     }
     return 4 * words - (others * EACH_SLOT >> 24); /* <= 64 */
 }
@@ -32,7 +32,7 @@ static void count_slots(struct raster_tile *t, uint32_t *word, uint32_t words, u
 {
     for (uint32_t i = 0; i < words; i++)
         while (word[i]) {
-            const uint32_t slot = word[i] >> (24 - (fx_clz(word[i]) & 24u));
+            const uint32_t slot = raster_first_slot(word[i]);
             add_cell(t, region, slot, take_slot(word + i, words - i, slot));
         }
 }
