@@ -62,9 +62,9 @@ static struct table make_table(unsigned h, unsigned d, unsigned t, unsigned expo
     size_t bytes;
     for (unsigned i = 0; i < t * h * d; i++) {
         bool constant = i % t > 0 && (i / t < h || i / t % h == 0);
-        out.texels[i] = constant ? out.texels[i - 1]
-                                 : (random32() & 0x7ffffff) | 0x100u << random32() % 3 * 9 |
-                                       (exponent + random32() % exponents) << 27;
+        const uint32_t mantissas = constant ? 0 : random32() & 0x7ffffff, largest = constant ? 0 : random32() % 3,
+                       more = constant ? 0 : random32() % exponents;
+        out.texels[i] = constant ? out.texels[i - 1] : mantissas | 0x100u << largest * 9 | (exponent + more) << 27;
     }
     f.texels = out.texels;
     ref_half_warp(&f, width);
@@ -177,15 +177,16 @@ static void kernels_give_the_same_bits(void **state)
 static bool one_pixel(struct raster_batch *b, struct raster_block_light *light, const struct lut_table *t,
                       const double n[3], const double l[3], const double v[3])
 {
-    double h[3], d[3], c[3], h2 = 0, d2 = 0;
+    double h[3], d[3], c[3], h2 = 0, d2 = 0, nh;
     struct vec3 qn = quantise(n), ql = quantise(l);
     for (int i = 0; i < 3; i++) {
         h[i] = l[i] + v[i], d[i] = l[i] - v[i];
         c[i] = l[(i + 1) % 3] * v[(i + 2) % 3] - l[(i + 2) % 3] * v[(i + 1) % 3];
         h2 += h[i] * h[i], d2 += d[i] * d[i];
     }
-    if (dot(n, v) < 1.0 / 128 || dot(n, l) < 1.0 / 128 || d2 < 0.01 || h2 < 0.01)
-        return false;
+    nh = dot(n, h);
+    if (dot(n, v) < 1.0 / 128 || dot(n, l) < 1.0 / 128 || d2 < 0.01 || h2 < 0.01 || nh * nh > 0.999 * h2)
+        return false; /* the last: t has no bits near the axis, where tables that are not noise do not depend on it */
     for (int i = 0; i < 3; i++)
         d[i] /= sqrt(d2), c[i] *= 2 / sqrt(h2 * d2);
     struct vec3 qa = quantise(d), qb = quantise(c);
@@ -237,7 +238,7 @@ static void kernel_agrees_with_lut_eval(void **state)
     qsort(e, COUNT, sizeof *e, compare_doubles);
     print_message("# error median %.5f, p99 %.5f, p99.9 %.5f, max %.5f\n", e[COUNT / 2], e[COUNT - COUNT / 100],
                   e[COUNT - COUNT / 1000], e[COUNT - 1]);
-    assert_true(e[COUNT / 2] < 0.006 && e[COUNT - COUNT / 100] < 0.03 && e[COUNT - 1] < 0.2);
+    assert_true(e[COUNT / 2] < 0.006 && e[COUNT - COUNT / 100] < 0.015 && e[COUNT - 1] < 0.06);
     free_table(&t);
 }
 
