@@ -385,7 +385,7 @@ void budget_render_tile(struct budget *b, struct budget_report *report, const st
     raster_tile_finish(r, work, rect, stats);
     b->lit = lit_share(b->lit, stats);
     report->spent = elapsed(&k);
-    b->left -= report->spent < b->left ? report->spent : 0;
+    b->left -= report->spent < b->left ? report->spent : b->left;
     if (!report->coarse) {
         b->learnt.shading[index % RASTER_LEARNT_TILES] = learnt_ratio(k.full, r->bounds[index].demand);
         b->learnt.besides[index % RASTER_LEARNT_TILES] =

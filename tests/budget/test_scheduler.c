@@ -243,6 +243,48 @@ static void larger_budgets_err_less(void **unused)
     sim_device_destroy(d);
 }
 
+/* Counts up by 10 a call; a call behind which an interrupt takes its time counts that, too. */
+static struct {
+    uint32_t ticks, calls, interrupted, takes;
+} on_clock;
+
+static uint32_t interrupted_clock(void *ctx)
+{
+    (void)ctx;
+    on_clock.ticks += ++on_clock.calls == on_clock.interrupted ? on_clock.takes : 10;
+    return on_clock.ticks;
+}
+
+static void a_tile_that_takes_all_that_is_left_is_charged_with_it(void **unused)
+{
+    (void)unused;
+    struct sim_device *d = device_with_tables();
+    struct app_frame *f = &d->app.frame;
+    struct hal hal = *d->app.hal;
+    struct budget_report t;
+    struct raster_rect rect;
+    struct raster_stats stats;
+    hal.clock = interrupted_clock;
+    push_scene(d, SCENES_LIGHTS, 1);
+    for (uint32_t more = 0; more < 2; more++) {
+        d->app.hal = &hal;
+        memset(&on_clock, 0, sizeof on_clock);
+        d->app.content.tile_budget = 1u << 20;
+        assert_int_equal(app_frame_begin(&d->app, false), RASTER_OK);
+        budget_render_tile(&f->budget, &t, &f->raster, raster_tile_at(&f->raster, 0), &f->work, &rect, &stats);
+        assert_int_equal(f->budget.left, (40u << 20) - t.spent);
+        on_clock.interrupted = on_clock.calls + 2; /* the first is the tile's start */
+        on_clock.takes = (uint32_t)f->budget.left + 1000 * more;
+        budget_render_tile(&f->budget, &t, &f->raster, raster_tile_at(&f->raster, 1), &f->work, &rect, &stats);
+        assert_true(t.spent >= on_clock.takes);
+        assert_int_equal(f->budget.left, 0);
+        budget_render_tile(&f->budget, &t, &f->raster, raster_tile_at(&f->raster, 2), &f->work, &rect, &stats);
+        assert_true(t.coarse || t.pixels == 0); /* nothing is left for it */
+        f->active = false;
+    }
+    sim_device_destroy(d);
+}
+
 /* --- over the protocol --- */
 
 static unsigned set_budget(struct sim_device *d, uint32_t ticks, uint32_t *detail)
@@ -427,6 +469,7 @@ int main(void)
         cmocka_unit_test(hard_scenes_keep_to_budgets_that_are_halved_until_refused),
         cmocka_unit_test(generous_budgets_change_no_pixel),
         cmocka_unit_test(larger_budgets_err_less),
+        cmocka_unit_test(a_tile_that_takes_all_that_is_left_is_charged_with_it),
         cmocka_unit_test(the_host_sets_budgets_and_reads_what_they_cost),
         cmocka_unit_test(firmware_without_budgets_refuses_any),
         cmocka_unit_test(a_frame_that_a_budget_no_longer_allows_is_refused_with_the_least),
