@@ -342,11 +342,13 @@ static void control_step(struct usb_device *d)
         if (d->hal->usb_read(d->hal->ctx, 0x00, packet, sizeof packet) >= 0)
             d->stage = USB_STAGE_IDLE;
     }
-    if (d->stage == USB_STAGE_STATUS_IN && d->hal->usb_write(d->hal->ctx, 0x80, d->built, 0) == HAL_OK) {
-        if (d->has_new_address) { /* the one request that acts after its status stage (9.4.6) */
+    if (d->stage == USB_STAGE_STATUS_IN) {
+        if (d->has_new_address) /* before its status packet, which may be acknowledged as soon as it is queued */
             d->hal->usb_set_address(d->hal->ctx, d->new_address);
+        if (d->hal->usb_write(d->hal->ctx, 0x80, d->built, 0) != HAL_OK)
+            return;
+        if (d->has_new_address) /* the one request that acts after its status stage (9.4.6) */
             d->state = d->new_address ? USB_STATE_ADDRESS : USB_STATE_DEFAULT;
-        }
         d->has_new_address = false;
         d->stage = USB_STAGE_IDLE;
     }

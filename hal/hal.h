@@ -62,8 +62,8 @@ struct hal {
      * data toggle; the first clearing after a bus reset, at SET_CONFIGURATION, opens the endpoint. */
     void (*usb_stall)(void *ctx, uint8_t endpoint, bool stalled);
 
-    /* The address of a SET_ADDRESS whose status packet has just been queued: the controller changes over once
-     * that packet has been acknowledged. */
+    /* The address of a SET_ADDRESS, called before its status packet is queued; takes effect when that packet is
+     * acknowledged. A SETUP packet or a bus reset before then voids it. May be called again with the same address. */
     void (*usb_set_address)(void *ctx, uint8_t address);
 
     bool usb_high_speed; /* 512-byte bulk packets instead of 64 */

@@ -29,7 +29,7 @@ struct mailbox {
     uint32_t posted, handled; /* bridge, firmware: events so far */
     uint32_t event;           /* bridge: enum hal_usb_event */
     uint8_t setup[8];
-    uint32_t address; /* firmware: of SET_ADDRESS */
+    uint32_t address; /* firmware: of SET_ADDRESS; holds for a bridge from when it takes the status packet */
     struct mailbox_buffer buffers[MAILBOX_BUFFERS];
 };
 

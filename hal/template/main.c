@@ -90,7 +90,9 @@ static void usb_stall(void *ctx, uint8_t endpoint, bool stalled)
     (void)stalled;
 }
 
-/* [ ] Takes effect after the status packet is acknowledged, not before. */
+/* [ ] Called before the status packet is queued, perhaps several times: the address waits until that packet, the next one on endpoint
+ *     0x80, has been acknowledged. Controllers that change over by themselves then (the OTG cores of many STM32) are written at once.
+ * [ ] A SETUP packet or a bus reset before that voids it. */
 static void usb_set_address(void *ctx, uint8_t address)
 {
     (void)ctx;

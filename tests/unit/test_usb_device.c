@@ -235,6 +235,59 @@ static void read_of_nothing_goes_straight_to_its_status(void **state)
     sim_device_destroy(d);
 }
 
+/* A controller with no room for some calls, whose packets the host takes in the call that queues them. */
+static struct {
+    const struct hal *hal;
+    struct sim *board;
+    int no_room, sets;
+} quick;
+
+static int quick_write(void *ctx, uint8_t endpoint, const void *data, size_t bytes)
+{
+    uint8_t packet[64];
+    if (quick.no_room-- > 0)
+        return HAL_AGAIN;
+    int result = quick.hal->usb_write(ctx, endpoint, data, bytes);
+    sim_in(quick.board, endpoint, packet, sizeof packet);
+    return result;
+}
+
+static void quick_set_address(void *ctx, uint8_t address)
+{
+    quick.sets++;
+    quick.hal->usb_set_address(ctx, address);
+}
+
+static void address_is_known_before_its_status_packet_is_queued(void **state)
+{
+    static const uint8_t setup[8] = {0x00, 5, 42};
+    (void)state;
+    for (int no_room = 0; no_room < 3; no_room++) {
+        struct sim_device *d = fixture_device(false, false);
+        struct hal hal = *d->app.hal;
+        quick.hal = d->app.hal;
+        quick.board = d->board;
+        quick.no_room = no_room;
+        quick.sets = 0;
+        hal.usb_write = quick_write;
+        hal.usb_set_address = quick_set_address;
+        d->app.usb.hal = &hal;
+        sim_bus_reset(d->board);
+        sim_device_poll(d);
+        sim_setup(d->board, setup);
+        for (int i = 0; i < no_room; i++) {
+            sim_device_poll(d);
+            assert_int_equal(d->app.usb.state, USB_STATE_DEFAULT);
+            assert_int_equal(sim_address(d->board), 0);
+        }
+        sim_device_poll(d);
+        assert_int_equal(sim_address(d->board), 42);
+        assert_int_equal(d->app.usb.state, USB_STATE_ADDRESS);
+        assert_int_equal(quick.sets, no_room + 1);
+        sim_device_destroy(d);
+    }
+}
+
 /* The address state begins with the status stage of SET_ADDRESS, not before. */
 static void unfinished_set_address_changes_no_state(void **state)
 {
@@ -479,6 +532,7 @@ int main(void)
         cmocka_unit_test(states_allow_what_chapter_9_says),
         cmocka_unit_test(windows_finds_winusb_by_the_descriptors),
         cmocka_unit_test(read_of_nothing_goes_straight_to_its_status),
+        cmocka_unit_test(address_is_known_before_its_status_packet_is_queued),
         cmocka_unit_test(unfinished_set_address_changes_no_state),
         cmocka_unit_test(every_request_ends_in_every_state),
         cmocka_unit_test(unplug_and_reset_at_any_moment),
