@@ -180,6 +180,16 @@ static bool bank_mount(struct table_store *s, uint32_t slot, uint8_t bank, const
     return true;
 }
 
+/* Where nothing is live, a header read badly may be that of the only copy: it stays until another one is. */
+static void slot_scrub(struct table_store *s, uint32_t slot)
+{
+    const uint32_t other = 1u - s->slots[slot].bank;
+    struct table_store_header h;
+    if (s->slots[slot].kind != USB_SLOT_EMPTY && header_read(&h, s, slot, other) == BANK_TORN && write_allowed(s) &&
+        bank_open(s, slot, other, 0, 0) == HAL_OK)
+        s->scrubbed++;
+}
+
 static void slot_mount(struct table_store *s, uint32_t slot)
 {
     struct table_store_header h[2];
@@ -192,9 +202,7 @@ static void slot_mount(struct table_store *s, uint32_t slot)
     if (!intact[newest] || !bank_mount(s, slot, newest, &h[newest]))
         if (intact[1 - newest])
             bank_mount(s, slot, (uint8_t)(1 - newest), &h[1 - newest]);
-    for (uint32_t bank = 0; bank < 2; bank++)
-        if (state[bank] == BANK_TORN && write_allowed(s) && bank_open(s, slot, bank, 0, 0) == HAL_OK)
-            s->scrubbed++;
+    slot_scrub(s, slot);
 }
 
 bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes)
@@ -344,6 +352,7 @@ struct table_store_result table_store_commit(struct table_store *s)
     live->length = u->length;
     live->crc = u->crc;
     live->sequence = h.sequence;
+    slot_scrub(s, u->slot);
     return done;
 }
 

@@ -7,8 +7,9 @@
  *           page's erasure and says how often it was erased and what is to come; and marks of how far that came. Then the
  *           content from offset TABLE_STORE_DATA_OFFSET.
  * Start     of the banks whose header, data CRC and content are intact, the one with the highest sequence is live. A header
- *           that a power cut left torn is erased (scrubbed), since what reads as torn today may read as whole tomorrow. An
- *           upload that it cut off is open again, up to the last mark.
+ *           that a power cut left torn is erased (scrubbed), since what reads as torn today may read as whole tomorrow; where
+ *           nothing is live in the slot, not before something is, as it may be the only copy's, read badly for once. An upload
+ *           that a power cut left is open again, up to the last mark.
  * Checks    every message of an upload against the CRC of the content so far before anything is programmed; every word
  *           programmed is read back.
  */
@@ -70,7 +71,7 @@ struct table_store_upload {
 struct table_store {
     const struct hal *hal;
     uint32_t scene_bank_bytes, table_bank_bytes;
-    uint32_t scrubbed; /* banks, at start */
+    uint32_t scrubbed; /* banks, since the start */
     uint8_t slot_count;
     struct table_store_slot slots[USB_MAX_SLOTS];
     struct table_store_upload upload;
@@ -83,7 +84,7 @@ struct table_store_result {
 };
 
 /* Lays the banks out (slot 0's two, then the others', equal, whole blocks), finds what is live, opens an upload that a power cut
- * left, and scrubs torn banks where writing is allowed. In:
+ * left, and scrubs torn banks beside live ones where writing is allowed. In:
  * slot_count 2..USB_MAX_SLOTS; scene_bank_bytes of each of slot 0's banks, 0 = as large as the others. False
  * when the flash is too small. */
 bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes);

@@ -116,7 +116,7 @@ struct usb_info {
     uint32_t triangle_count; /* of the live scene, finest levels */
     uint32_t arena_bytes;
     uint32_t flash_bytes, flash_block_bytes;   /* of all banks; erase unit */
-    uint32_t scrubbed;                         /* banks that a power cut had left torn, erased at the last start */
+    uint32_t scrubbed;                         /* banks that a power cut had left torn, erased since the last start */
     uint32_t upload_slot;                      /* of the open upload, or USB_NO_UPLOAD and the next four 0 */
     uint32_t upload_length;                    /* as BEGIN said */
     uint32_t upload_crc;                       /* as BEGIN said */

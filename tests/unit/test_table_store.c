@@ -235,6 +235,31 @@ static void torn_header_is_scrubbed(void **state)
     }
 }
 
+/* But not while nothing is live in the slot: read rightly the next time, the newest bank is live again. */
+static void torn_headers_stay_while_nothing_is_live(void **state)
+{
+    struct fixture *f = *state;
+    for (int banks = 1; banks <= 2; banks++) {
+        push(f, 1, f->tables[banks], f->bytes);
+        for (uint32_t i = 0; i < 8 * 32; i++)
+            for (int right = 0; right < 2; right++) {
+                for (uint32_t which = 0; which < (uint32_t)banks; which++)
+                    bank(f, 1, which)[i / 8] ^= (uint8_t)(1 << i % 8);
+                restart(f);
+                assert_int_equal(live(f, 1), right ? banks : -1);
+                assert_int_equal(f->store.scrubbed, 0);
+            }
+    }
+    for (uint32_t which = 0; which < 2; which++)
+        bank(f, 1, which)[4] ^= 1;
+    restart(f);
+    push(f, 1, f->tables[0], f->bytes); /* bank 1, of a later sequence, must not supersede it */
+    assert_int_equal(f->store.scrubbed, 1);
+    bank(f, 1, 1)[4] &= (uint8_t)~1;
+    restart(f);
+    assert_int_equal(live(f, 1), 0);
+}
+
 static void erasures_are_counted_and_survive(void **state)
 {
     struct fixture *f = *state;
@@ -547,6 +572,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(failure_at_any_operation_leaves_one_whole_table, setup, teardown),
         cmocka_unit_test_setup_teardown(flipped_bit_in_the_live_bank_falls_back_to_the_older_one, setup, teardown),
         cmocka_unit_test_setup_teardown(torn_header_is_scrubbed, setup, teardown),
+        cmocka_unit_test_setup_teardown(torn_headers_stay_while_nothing_is_live, setup, teardown),
         cmocka_unit_test_setup_teardown(erasures_are_counted_and_survive, setup, teardown),
         cmocka_unit_test_setup_teardown(upload_goes_on_after_a_restart, setup, teardown),
         cmocka_unit_test_setup_teardown(later_push_supersedes_a_bank_that_was_damaged_for_a_while, setup, teardown),
