@@ -71,10 +71,19 @@ static int words_program(struct table_store *s, uint32_t offset, const void *wor
     return result;
 }
 
+/* Programs one word to 0. One that a power cut left torn stays as it is. */
+static int word_clear(struct table_store *s, uint32_t offset)
+{
+    static const uint32_t zero = 0, erased = ERASED_WORD;
+    if (__builtin_memcmp(s->hal->flash + offset, &erased, sizeof erased) != 0)
+        return HAL_OK;
+    return words_program(s, offset, &zero, sizeof zero);
+}
+
 /* Erases a bank's first block, its records with it, and notes the erasure and what is to come. */
 static int bank_open(struct table_store *s, uint32_t slot, uint32_t bank, uint32_t length, uint32_t crc)
 {
-    uint32_t offset = bank_offset(s, slot, bank);
+    uint32_t offset = bank_offset(s, slot, bank), old;
     struct table_store_opening o = {
         .magic = TABLE_STORE_OPENING_MAGIC,
         .erases = ++s->slots[slot].erases[bank],
@@ -83,18 +92,18 @@ static int bank_open(struct table_store *s, uint32_t slot, uint32_t bank, uint32
         .reserved = {ERASED_WORD, ERASED_WORD, ERASED_WORD},
     };
     o.record_crc = opening_crc(&o);
+    /* An erasure that is cut off may clear the header and leave the rest: that is not to look like an upload under way. */
+    __builtin_memcpy(&old, s->hal->flash + offset + TABLE_STORE_OPENING_OFFSET, sizeof old);
+    if (old == TABLE_STORE_OPENING_MAGIC)
+        (void)word_clear(s, offset + TABLE_STORE_CLOSED_OFFSET); /* if that fails, so may what follows */
     int result = s->hal->flash_erase(s->hal->ctx, offset);
     return result == HAL_OK ? words_program(s, offset + TABLE_STORE_OPENING_OFFSET, &o, sizeof o) : result;
 }
 
-/* Programs one word of the upload's page to 0. One that a power cut left torn stays as it is. */
-static int word_clear(struct table_store *s, uint32_t offset)
+/* The same in the upload's page. */
+static int upload_word_clear(struct table_store *s, uint32_t offset)
 {
-    static const uint32_t zero = 0, erased = ERASED_WORD;
-    offset += bank_offset(s, s->upload.slot, s->upload.bank);
-    if (__builtin_memcmp(s->hal->flash + offset, &erased, sizeof erased) != 0)
-        return HAL_OK;
-    return words_program(s, offset, &zero, sizeof zero);
+    return word_clear(s, bank_offset(s, s->upload.slot, s->upload.bank) + offset);
 }
 
 static bool write_allowed(const struct table_store *s)
@@ -287,7 +296,7 @@ static int content_program(struct table_store *s, uint32_t at, const void *words
     if (result == HAL_OK)
         result = words_program(s, bank_offset(s, u->slot, u->bank) + start, words, bytes);
     if (result == HAL_OK && end % step == 0 && end < TABLE_STORE_DATA_OFFSET + u->length) /* a mark <= 47 */
-        result = word_clear(s, TABLE_STORE_MARKS_OFFSET + (end / step - 1) * 4);
+        result = upload_word_clear(s, TABLE_STORE_MARKS_OFFSET + (end / step - 1) * 4);
     return result;
 }
 
@@ -360,6 +369,6 @@ void table_store_abort(struct table_store *s)
 {
     struct table_store_upload *u = &s->upload;
     if (u->open)
-        (void)word_clear(s, TABLE_STORE_CLOSED_OFFSET); /* else a restart would open it again */
+        (void)upload_word_clear(s, TABLE_STORE_CLOSED_OFFSET); /* else a restart would open it again */
     u->open = false;
 }

@@ -28,7 +28,7 @@
 #define TABLE_STORE_OPENING_OFFSET 32u
 #define TABLE_STORE_MARKS_OFFSET   64u  /* words: 0 when the blocks up to this mark are programmed */
 #define TABLE_STORE_MARKS          47u  /* at most */
-#define TABLE_STORE_CLOSED_OFFSET  252u /* a word: no longer erased when the upload was given up */
+#define TABLE_STORE_CLOSED_OFFSET  252u /* a word: not erased: given up, or to be erased */
 
 struct table_store_header { /* at the start of a bank, little-endian */
     uint32_t magic;

@@ -116,10 +116,10 @@ const char *power_cuts_scenario(unsigned scenario)
     return scenarios[scenario].name;
 }
 
-/* Operations between the first cut and the end of the repeated push, at most: scrubbing takes two more. */
+/* Operations between the first cut and the end of the repeated push, at most: scrubbing takes three more. */
 static unsigned second_operations(const struct power_cuts *p, unsigned scenario)
 {
-    return p->operations[scenario] + 2;
+    return p->operations[scenario] + 3;
 }
 
 uint32_t power_cuts_count(const struct power_cuts *p, unsigned scenario)

@@ -337,6 +337,35 @@ static void upload_goes_on_after_a_restart(void **state)
     assert_false(f->store.upload.open);
 }
 
+/* An erasure that the power cut off after the header. */
+static int erase_the_header_alone(void *ctx, uint32_t offset)
+{
+    uint32_t bytes;
+    memset(sim_flash(ctx, &bytes) + offset, 0xff, 32);
+    return HAL_ERROR;
+}
+
+static void bank_whose_erasure_was_cut_off_is_no_upload(void **state)
+{
+    struct fixture *f = *state;
+    struct hal hal = *sim_hal(f->board);
+    static uint32_t texels[40 * 20 * 2];
+    size_t bytes;
+    void *table = ref_ktx2_make(40, 20, 2, texels, 60000, &bytes);
+    assert_in_range(bytes, SIM_FLASH_BLOCK, FIXTURE_CAPACITY); /* there is a mark */
+    assert_int_equal(push(f, 1, table, bytes), USB_OK);
+    assert_int_equal(push(f, 1, f->tables[0], f->bytes), USB_OK);
+    hal.flash_erase = erase_the_header_alone;
+    f->store.hal = &hal;
+    assert_int_equal(push(f, 1, f->tables[1], f->bytes), USB_ERR_FLASH);
+    restart(f);
+    assert_false(f->store.upload.open);
+    assert_int_equal(live(f, 1), 0);
+    assert_int_equal(push(f, 1, f->tables[1], f->bytes), USB_OK);
+    assert_int_equal(live(f, 1), 1);
+    free(table);
+}
+
 /* A table that does not open for once must not come back over one that was pushed after it. */
 static void later_push_supersedes_a_bank_that_was_damaged_for_a_while(void **state)
 {
@@ -575,6 +604,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(torn_headers_stay_while_nothing_is_live, setup, teardown),
         cmocka_unit_test_setup_teardown(erasures_are_counted_and_survive, setup, teardown),
         cmocka_unit_test_setup_teardown(upload_goes_on_after_a_restart, setup, teardown),
+        cmocka_unit_test_setup_teardown(bank_whose_erasure_was_cut_off_is_no_upload, setup, teardown),
         cmocka_unit_test_setup_teardown(later_push_supersedes_a_bank_that_was_damaged_for_a_while, setup, teardown),
         cmocka_unit_test_setup_teardown(words_that_do_not_stick_are_noticed, setup, teardown),
         cmocka_unit_test_setup_teardown(bank_of_another_slot_is_not_mounted, setup, teardown),
