@@ -215,8 +215,10 @@ static void frame_end(struct app *app)
     }
     app->frames++;
     f->stats.total.rate = mean_rate(f->rates, f->samples);
-    if (f->recorded)
+    if (f->recorded) {
         app->stats = f->stats;
+        app->tiles_mixed = false;
+    }
     f->active = f->streamed = false;
 }
 
@@ -244,6 +246,8 @@ static void stream_drop(struct app *app)
         return;
     app->frame.streamed = false;
     app->frame.active = app->hal->display_write != NULL;
+    if (!app->frame.active && app->frame.recorded)
+        app->tiles_mixed = true;
 }
 
 void app_poll(struct app *app)

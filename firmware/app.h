@@ -85,6 +85,7 @@ struct app {
     struct app_content content;
     struct app_frame frame;
     struct usb_stats stats;        /* of the last complete frame */
+    bool tiles_mixed;              /* config.tile_stats are of it and of one that was dropped */
     uint32_t push_credit;          /* bytes of DATA that the tiles so far allow, at most USB_MAX_DATA */
     uint32_t verified, verify_crc; /* of the VERIFY at work: bytes read, their CRC */
     uint32_t frames;               /* complete ones since app_init */

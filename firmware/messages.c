@@ -168,7 +168,7 @@ static void stats_serve(struct app *app)
     }
     struct usb_stats stats = app->stats;
     stats.frames = app->frames;
-    if (want_tiles && app->config.tile_stats && stats.tile_count <= app->config.tile_stats_count)
+    if (want_tiles && app->config.tile_stats && stats.tile_count <= app->config.tile_stats_count && !app->tiles_mixed)
         bytes = stats.tile_count * (uint32_t)sizeof(struct usb_tile_stats);
     protocol_reply(&app->protocol, USB_OK, 0, &stats, sizeof stats, app->config.tile_stats, bytes);
     protocol_done(&app->protocol);

@@ -117,6 +117,41 @@ static void statistics_are_of_the_last_frame(void **state)
     sim_device_destroy(d);
 }
 
+/* On a board without display a frame that its host gives up is never finished: its tiles are not passed for the last one's. */
+static void tiles_of_a_frame_that_was_broken_off_are_kept_back(void **state)
+{
+    struct sim_device *d = ready_device(true, false);
+    static uint8_t pixels[PICTURE];
+    struct {
+        struct usb_stats all;
+        struct usb_tile_stats tiles[TILES];
+    } reply;
+    struct stream s = {.bytes = 0};
+    struct usb_header h;
+    uint32_t one = 1, model = SCENE_MATERIAL_LAFORTUNE_PHONG;
+    (void)state;
+    assert_int_equal(frame(d, pixels, NULL), USB_OK);
+    assert_int_equal(set(d, USB_SET_MODEL, &model, sizeof model), USB_OK); /* tiles now cost otherwise */
+    stream_add(&s, USB_MSG_FRAME, NULL, 0);
+    sim_out(d->board, 1, s.data, s.bytes);
+    while (!d->app.frame.active || d->app.frame.next_tile == 0)
+        sim_device_poll(d);
+    clear_halt(d, 0x01);
+    clear_halt(d, 0x81);
+    for (int complete = 0; complete < 2; complete++) {
+        assert_true(sim_device_request(d, USB_MSG_STATS, &one, sizeof one, &h, &reply, sizeof reply));
+        assert_int_equal(h.length, complete ? sizeof reply : sizeof reply.all);
+        assert_int_equal(reply.all.frames, complete + 1);
+        if (!complete)
+            assert_int_equal(frame(d, pixels, NULL), USB_OK);
+    }
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < TILES; i++)
+        sum += reply.tiles[i].ticks;
+    assert_int_equal(sum, reply.all.total.ticks);
+    sim_device_destroy(d);
+}
+
 static void select_and_set_change_the_picture_and_reset_restores_it(void **state)
 {
     static uint8_t first[PICTURE], now[PICTURE];
@@ -533,6 +568,7 @@ int main(void)
         cmocka_unit_test(info_describes_the_device),
         cmocka_unit_test(frame_streams_every_tile_once),
         cmocka_unit_test(statistics_are_of_the_last_frame),
+        cmocka_unit_test(tiles_of_a_frame_that_was_broken_off_are_kept_back),
         cmocka_unit_test(select_and_set_change_the_picture_and_reset_restores_it),
         cmocka_unit_test(content_survives_a_power_cycle),
         cmocka_unit_test(flash_file_carries_the_content_over),
