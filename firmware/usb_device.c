@@ -41,7 +41,7 @@ static const uint8_t device_descriptor[18] = {
 };
 // clang-format on
 
-/* Answered only by a controller at high speed: it says what the device is at full speed. */
+/* Answered only where the controller knows both speeds: what the device is at the other one, the same. */
 static const uint8_t qualifier_descriptor[10] = {
     10, DESCRIPTOR_QUALIFIER, 0x01, 0x02, 0, 0, 0, USB_CONTROL_PACKET, 1, 0,
 };
@@ -59,8 +59,10 @@ static const uint8_t full_speed_configuration[CONFIGURATION_BYTES] =
     CONFIGURATION(DESCRIPTOR_CONFIGURATION, USB_FULL_SPEED_BULK);
 static const uint8_t high_speed_configuration[CONFIGURATION_BYTES] =
     CONFIGURATION(DESCRIPTOR_CONFIGURATION, USB_HIGH_SPEED_BULK);
-static const uint8_t other_speed_configuration[CONFIGURATION_BYTES] =
+static const uint8_t other_full_speed_configuration[CONFIGURATION_BYTES] =
     CONFIGURATION(DESCRIPTOR_OTHER_SPEED, USB_FULL_SPEED_BULK);
+static const uint8_t other_high_speed_configuration[CONFIGURATION_BYTES] =
+    CONFIGURATION(DESCRIPTOR_OTHER_SPEED, USB_HIGH_SPEED_BULK);
 
 /* Microsoft OS 2.0 descriptor set (Microsoft's specification of that name, tables 10 to 15): Windows 8.1 and later bind
  * WinUSB without a driver file and give the interface a GUID that programs find it by. */
@@ -181,7 +183,7 @@ static bool answer_string(struct usb_device *d, unsigned index)
 
 static bool answer_descriptor(struct usb_device *d, const struct setup *s)
 {
-    bool high = d->hal->usb_high_speed;
+    const bool high = d->hal->usb_high_speed, both = high || d->hal->usb_high_speed_capable;
     unsigned type = s->value >> 8, index = s->value & 0xff;
     if (type == DESCRIPTOR_STRING)
         return answer_string(d, index);
@@ -192,10 +194,11 @@ static bool answer_descriptor(struct usb_device *d, const struct setup *s)
         return answer(d, device_descriptor, sizeof device_descriptor);
     case DESCRIPTOR_CONFIGURATION:
         return answer(d, high ? high_speed_configuration : full_speed_configuration, CONFIGURATION_BYTES);
-    case DESCRIPTOR_QUALIFIER: /* a device without high speed must refuse these two */
-        return high && answer(d, qualifier_descriptor, sizeof qualifier_descriptor);
+    case DESCRIPTOR_QUALIFIER: /* a device without high speed must refuse these two (9.6.2, 9.6.4) */
+        return both && answer(d, qualifier_descriptor, sizeof qualifier_descriptor);
     case DESCRIPTOR_OTHER_SPEED:
-        return high && answer(d, other_speed_configuration, CONFIGURATION_BYTES);
+        return both &&
+               answer(d, high ? other_full_speed_configuration : other_high_speed_configuration, CONFIGURATION_BYTES);
     case DESCRIPTOR_BOS:
         return answer(d, bos_descriptor, sizeof bos_descriptor);
     default:

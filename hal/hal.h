@@ -66,7 +66,9 @@ struct hal {
      * acknowledged. A SETUP packet or a bus reset before then voids it. May be called again with the same address. */
     void (*usb_set_address)(void *ctx, uint8_t address);
 
-    bool usb_high_speed; /* 512-byte bulk packets instead of 64 */
+    /* Now: 512-byte bulk packets instead of 64. Changes only just before HAL_USB_RESET is returned. */
+    bool usb_high_speed;
+    bool usb_high_speed_capable; /* the controller can run at high speed, whether or not it does now */
 
     /* --- Flash for tables and scene: memory-mapped for reading, erased to 0xff in blocks, bits program from
      * 1 to 0. --- */

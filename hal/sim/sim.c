@@ -320,6 +320,7 @@ struct sim *sim_create(const struct sim_config *config)
         .usb_stall = usb_stall,
         .usb_set_address = usb_set_address,
         .usb_high_speed = s->config.high_speed,
+        .usb_high_speed_capable = s->config.high_speed,
         .flash = s->flash,
         .flash_bytes = flash_bytes,
         .flash_block_bytes = SIM_FLASH_BLOCK,

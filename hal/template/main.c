@@ -137,7 +137,10 @@ int main(void)
         .usb_write = usb_write,
         .usb_stall = usb_stall,
         .usb_set_address = usb_set_address,
-        .usb_high_speed = false, /* [ ] as the controller negotiates */
+        /* [ ] Where the controller can run at high speed: capable, and what each bus reset negotiates is set before that event is
+         * returned; this struct is then not const. */
+        .usb_high_speed = false,
+        .usb_high_speed_capable = false,
         .flash = flash,
         .flash_bytes = FLASH_BYTES,
         .flash_block_bytes = FLASH_BLOCK_BYTES,

@@ -51,7 +51,8 @@ int main(void)
                       .usb_write = write,
                       .usb_stall = stall,
                       .usb_set_address = set_address,
-                      .usb_high_speed = Frama_C_interval(0, 1)};
+                      .usb_high_speed = Frama_C_interval(0, 1),
+                      .usb_high_speed_capable = Frama_C_interval(0, 1)};
     usb_device_init(&usb, &hal, "GT-0001");
     while (Frama_C_interval(0, 1))
         usb_device_poll(&usb);

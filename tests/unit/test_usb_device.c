@@ -64,6 +64,28 @@ static void configuration_follows_the_speed(void **state)
     sim_device_destroy(high);
 }
 
+/* A high-speed device behind a full-speed hub (9.6.2, 9.6.4). */
+static void capable_device_at_full_speed_tells_of_the_other_speed(void **state)
+{
+    static const uint8_t qualifier[10] = {10, 6, 0x01, 0x02, 0, 0, 0, 64, 1, 0};
+    static const uint8_t expected[32] = {9, 7, 32, 0, 1, 1, 0, 0x80, 50, 9, 4, 0,    0, 2, 0xff, 0,
+                                         0, 0, 7,  5, 1, 2, 0, 2,    0,  7, 5, 0x81, 2, 0, 2,    0};
+    struct sim_device *d = fixture_device(false, false);
+    struct hal hal = *d->app.hal;
+    uint8_t data[64];
+    (void)state;
+    hal.usb_high_speed_capable = true;
+    d->app.usb.hal = &hal;
+    assert_int_equal(descriptor(d, 6, 0, 255, data), 10);
+    assert_memory_equal(data, qualifier, 10);
+    assert_int_equal(descriptor(d, 7, 0, 255, data), 32);
+    assert_memory_equal(data, expected, 32);
+    assert_int_equal(descriptor(d, 2, 0, 255, data), 32); /* and of this one as before */
+    assert_int_equal(data[1], 2);
+    assert_int_equal(data[22], 64);
+    sim_device_destroy(d);
+}
+
 static void string_is(struct sim_device *d, unsigned index, const char *text)
 {
     uint8_t data[256];
@@ -526,6 +548,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(device_descriptor_is_exact),
         cmocka_unit_test(configuration_follows_the_speed),
+        cmocka_unit_test(capable_device_at_full_speed_tells_of_the_other_speed),
         cmocka_unit_test(strings_name_maker_product_and_serial_number),
         cmocka_unit_test(full_packet_that_ends_early_is_followed_by_an_empty_one),
         cmocka_unit_test(address_takes_effect_after_the_status_stage),
