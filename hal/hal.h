@@ -25,7 +25,11 @@ enum hal_usb_event {
     HAL_USB_RESET,  /* bus reset or (re)plug: device goes to the default state, endpoint queues are empty, no
                        stalls */
     HAL_USB_DETACH, /* cable out */
-    HAL_USB_SETUP   /* a SETUP packet arrived: the 8 bytes are in `setup` */
+    /* A SETUP packet arrived: the 8 bytes are in `setup`. By its arrival it has emptied endpoint 0 in both directions, cleared its
+     * stall, voided an address that waited for its status packet and replaced a SETUP that was not yet taken: only the last one
+     * counts. What the firmware did on endpoint 0 from then to this event is of the transfer before: packets to the host, a stall
+     * and an address of that time are dropped, too. */
+    HAL_USB_SETUP
     /* Suspend, 3 ms without any activity, is no event: all state stays, and goes on with the bus. To stay below what a suspended
      * device may draw is the board's part: it may call app_poll less often, or not at all until the bus is active. */
 };
@@ -50,11 +54,12 @@ struct hal {
 
     /* Takes one received OUT packet of `endpoint` (0 or 1): copies at most `max` bytes, returns its length (0
      * for a zero-length packet), or HAL_AGAIN. The controller accepts further packets as room appears; at
-     * least 4 KB are buffered. */
+     * least 4 KB are buffered. `data` has any alignment, and is the board's to write only during the call. */
     int (*usb_read)(void *ctx, uint8_t endpoint, void *data, size_t max);
 
     /* Queues one IN packet of `bytes` <= the endpoint's packet size (0 = zero-length) on `endpoint` (0x80 or
-     * 0x81): HAL_OK, or HAL_AGAIN when its buffer is still full. */
+     * 0x81): HAL_OK, or HAL_AGAIN when its buffer is still full. `data` has any alignment and is valid only during the
+     * call: it is copied before the return. */
     int (*usb_write)(void *ctx, uint8_t endpoint, const void *data, size_t bytes);
 
     /* Sets or clears STALL on an endpoint (0x00 stands for both directions of endpoint 0). A stall of
@@ -70,8 +75,13 @@ struct hal {
     bool usb_high_speed;
     bool usb_high_speed_capable; /* the controller can run at high speed, whether or not it does now */
 
-    /* --- Flash for tables and scene: memory-mapped for reading, erased to 0xff in blocks, bits program from
-     * 1 to 0. --- */
+    /* --- Flash for tables and scene: memory-mapped for reading, erased to 0xff in blocks of one size, bits program from
+     * 1 to 0.
+     *
+     * Each word of 4 bytes can be programmed by itself, once between two erasures, whatever was programmed beside it; and reading
+     * a word whose programming or erasure a power cut has torn gives any value, but no fault. Serial NOR does both, as does
+     * internal flash that is programmed by 32 bits (STM32F4, F7). Internal flash with an error-correcting code over 8 bytes or
+     * more does neither (STM32L4, G4, WB: 8 bytes; U5: 16; H7: 32). --- */
     const uint8_t *flash;       /* 4-aligned */
     uint32_t flash_bytes;       /* a multiple of flash_block_bytes */
     uint32_t flash_block_bytes; /* erase unit, a power of two, 256 or more */
@@ -80,7 +90,8 @@ struct hal {
      */
     int (*flash_erase)(void *ctx, uint32_t offset);
 
-    /* Programs `bytes` at `offset`, both multiples of 4; only erased words may be programmed, once. */
+    /* Programs `bytes` at `offset`, both multiples of 4; only erased words may be programmed, once. `data` is 4-aligned.
+     * May take milliseconds; what it wrote is read back as soon as it returns. */
     int (*flash_program)(void *ctx, uint32_t offset, const void *data, uint32_t bytes);
 
     /* NULL or true: flash may be written. False: a jumper or strap forbids it; begin is refused. */

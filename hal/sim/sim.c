@@ -220,6 +220,14 @@ static struct queue *queue_of(struct sim *s, uint8_t endpoint)
     }
 }
 
+/* A SETUP packet ends the transfer before, what the firmware does for that one until it takes the packet included. */
+static void control_clear(struct sim *s)
+{
+    queue_empty(&s->control_in);
+    s->control_out.stalled = s->control_in.stalled = false;
+    s->has_new_address = false;
+}
+
 static enum hal_usb_event usb_event(void *ctx, uint8_t setup[8])
 {
     struct sim *s = ctx;
@@ -234,6 +242,7 @@ static enum hal_usb_event usb_event(void *ctx, uint8_t setup[8])
     if (!s->setup_event)
         return HAL_USB_NONE;
     s->setup_event = false;
+    control_clear(s);
     memcpy(setup, s->setup, 8);
     return HAL_USB_SETUP;
 }
@@ -454,9 +463,7 @@ int sim_setup(struct sim *s, const uint8_t setup[8])
     if (!s->plugged)
         return SIM_GONE;
     queue_empty(&s->control_out);
-    queue_empty(&s->control_in);
-    s->control_out.stalled = s->control_in.stalled = false;
-    s->has_new_address = false;
+    control_clear(s);
     memcpy(s->setup, setup, 8);
     s->setup_event = true;
     return 0;

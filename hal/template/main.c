@@ -26,7 +26,7 @@ static const struct raster_parts parts = {
 
 /* [ ] Large enough for the scenes to come: a frame that needs more is refused, and the reply says how much it takes. */
 static uint64_t arena[16 * 1024 / 8];
-/* [ ] The flash region for scene and tables, not an array; 4-aligned, outside the program. */
+/* [ ] The flash region for scene and tables, not an array; 4-aligned, outside the program, of blocks of one size. */
 static const uint8_t flash[FLASH_BYTES];
 
 /* [ ] Counts up, wraps at 2^32, costs little: the cycle counter (DWT CYCCNT, mcycle), or a timer at the core's clock.
@@ -53,7 +53,8 @@ static int display_write(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t
 
 /* [ ] Interrupts only queue; this takes from the queue, in order, and never waits.
  * [ ] A bus reset empties the endpoints' queues, clears their stalls and the address.
- * [ ] A SETUP packet clears the stall of endpoint 0. */
+ * [ ] A SETUP packet, when it arrives, empties endpoint 0 in both directions, clears its stall, voids an address that waits for its status
+ *     packet and replaces a SETUP not yet taken. What is queued on endpoint 0x80 until it is taken is dropped, a stall and an address, too. */
 static enum hal_usb_event usb_event(void *ctx, uint8_t setup[8])
 {
     (void)ctx;
@@ -62,7 +63,8 @@ static enum hal_usb_event usb_event(void *ctx, uint8_t setup[8])
 }
 
 /* [ ] One packet per call; at least 4 KB of endpoint 1 are buffered, so that the bus keeps moving while a tile renders.
- * [ ] A full buffer answers NAK. */
+ * [ ] A full buffer answers NAK.
+ * [ ] `data` has any alignment; nothing writes there after the return. */
 static int usb_read(void *ctx, uint8_t endpoint, void *data, size_t max)
 {
     (void)ctx;
@@ -72,7 +74,7 @@ static int usb_read(void *ctx, uint8_t endpoint, void *data, size_t max)
     return HAL_AGAIN;
 }
 
-/* [ ] Copies the packet, or keeps it until sent; zero-length packets are sent, too. */
+/* [ ] Copies the packet before it returns: `data` has any alignment and is gone then. Zero-length packets are sent, too. */
 static int usb_write(void *ctx, uint8_t endpoint, const void *data, size_t bytes)
 {
     (void)ctx;
@@ -100,7 +102,8 @@ static void usb_set_address(void *ctx, uint8_t address)
 }
 
 /* [ ] Erased bytes read 0xff, through the mapping, caches included.
- * [ ] Code that runs meanwhile is not in the bank being erased, or the core stalls: that is allowed.
+ * [ ] Returns when it is done: the firmware reads at once. Code that runs meanwhile, interrupts among it, is not in the flash being
+ *     erased, or the core stalls: that is allowed as long as the USB controller answers NAK by itself.
  * [ ] A failed verification is HAL_ERROR. */
 static int flash_erase(void *ctx, uint32_t offset)
 {
@@ -109,7 +112,8 @@ static int flash_erase(void *ctx, uint32_t offset)
     return HAL_FORBIDDEN;
 }
 
-/* [ ] Words are programmed once between two erases; `bytes` may span pages of the flash.
+/* [ ] The flash programs single words of 4 bytes, each once between two erases, and a torn one reads without a fault: see hal.h for
+ *     flash that does not. `bytes` may span pages of the flash; `data` is 4-aligned.
  * [ ] A power cut in here leaves no other word than those asked for undefined. */
 static int flash_program(void *ctx, uint32_t offset, const void *data, uint32_t bytes)
 {
@@ -164,5 +168,7 @@ int main(void)
         return 1; /* [ ] a light, a message: the configuration does not fit the flash */
     for (;;)
         /* [ ] While the bus is suspended a device that lives on it may draw 2.5 mA: sleep here until there is activity. */
-        app_poll(&app); /* [ ] feed the watchdog here: one call takes at most one tile's time */
+        /* [ ] Feed the watchdog here. One call takes a tile's time, and what a request takes on top: DATA erases 4 KB of blocks, rounded up,
+         * and one more, and programs 4 KB; COMMIT opens the content; the first call of a frame culls and bins. */
+        app_poll(&app);
 }

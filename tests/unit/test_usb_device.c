@@ -478,6 +478,75 @@ static void new_setup_replaces_an_unfinished_transfer(void **state)
     sim_device_destroy(d);
 }
 
+/* The next SETUP arrives between two steps of the firmware on endpoint 0, before each of its calls in turn. */
+static struct {
+    const struct hal *hal;
+    struct sim *board;
+    int calls; /* until it arrives */
+} busy;
+
+static void busy_call(void)
+{
+    static const uint8_t device[8] = {0x80, 6, 0, 1, 0, 0, 18, 0};
+    if (busy.calls-- == 0)
+        sim_setup(busy.board, device);
+}
+
+static int busy_write(void *ctx, uint8_t endpoint, const void *data, size_t bytes)
+{
+    busy_call();
+    return busy.hal->usb_write(ctx, endpoint, data, bytes);
+}
+
+static void busy_stall(void *ctx, uint8_t endpoint, bool stalled)
+{
+    busy_call();
+    busy.hal->usb_stall(ctx, endpoint, stalled);
+}
+
+static void busy_set_address(void *ctx, uint8_t address)
+{
+    busy_call();
+    busy.hal->usb_set_address(ctx, address);
+}
+
+static void setup_in_the_midst_of_a_step_gets_its_own_answer(void **state)
+{
+    static const uint8_t before[][8] = {
+        {0x80, 6, 3, 3, 9, 4, 255, 0}, {0xc0, 0x20, 0, 0, 7, 0, 162, 0}, {0x00, 5, 99}, {0x00, 7, 0, 1}};
+    struct sim_device *d = fixture_device(false, false);
+    struct hal hal = *d->app.hal;
+    uint8_t data[64];
+    (void)state;
+    busy.hal = d->app.hal;
+    busy.board = d->board;
+    hal.usb_write = busy_write;
+    hal.usb_stall = busy_stall;
+    hal.usb_set_address = busy_set_address;
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++)
+        for (int calls = 0; calls < 4; calls++) {
+            d->app.usb.hal = busy.hal;
+            sim_bus_reset(d->board);
+            sim_device_poll(d);
+            sim_setup(d->board, before[i]);
+            d->app.usb.hal = &hal;
+            busy.calls = calls;
+            sim_device_poll(d);
+            if (busy.calls >= 0) /* not so many calls */
+                continue;
+            busy.calls = -1;
+            for (int n = 0; n < 3; n++)
+                sim_device_poll(d);
+            assert_int_equal(sim_in(d->board, 0x80, data, 64), 18);
+            assert_int_equal(data[1], 1);
+            assert_int_equal(sim_in(d->board, 0x80, data, 64), SIM_NAK);
+            assert_int_equal(sim_out(d->board, 0x00, NULL, 0), 0);
+            assert_int_equal(sim_address(d->board), 0);
+        }
+    d->app.usb.hal = busy.hal;
+    sim_device_destroy(d);
+}
+
 /* Suspend is a bus without any activity. Whatever was under way stays as it is, however long, and goes on (9.1.1.6): address,
  * configuration, halts, an upload, half a message, half a control transfer. */
 static void suspend_at_any_moment_changes_nothing(void **state)
@@ -562,6 +631,7 @@ int main(void)
         cmocka_unit_test(halt_is_set_reported_and_cleared),
         cmocka_unit_test(unknown_requests_stall_and_the_next_one_is_served),
         cmocka_unit_test(new_setup_replaces_an_unfinished_transfer),
+        cmocka_unit_test(setup_in_the_midst_of_a_step_gets_its_own_answer),
         cmocka_unit_test(suspend_at_any_moment_changes_nothing),
         cmocka_unit_test(unplugged_device_is_gone_and_comes_back),
     };
