@@ -29,14 +29,6 @@ static uint64_t arena[16 * 1024 / 8];
 /* [ ] The flash region for scene and tables, not an array; 4-aligned, outside the program, of blocks of one size. */
 static const uint8_t flash[FLASH_BYTES];
 
-/* [ ] Counts up, wraps at 2^32, costs little: the cycle counter (DWT CYCCNT, mcycle), or a timer at the core's clock.
- * [ ] Or leave hal.clock NULL: costs are then modelled, and repeat exactly. */
-static uint32_t clock_read(void *ctx)
-{
-    (void)ctx;
-    return 0;
-}
-
 /* [ ] Rows follow each other without gap; RGB565 is little-endian in memory: many panels want it swapped.
  * [ ] `pixels` may be overwritten on return: wait for the DMA that reads it, or copy.
  * [ ] Any tile inside the picture, in any order; tiles at the right and bottom edge are smaller. */
@@ -134,7 +126,12 @@ static bool write_allowed(void *ctx)
 int main(void)
 {
     static const struct hal hal = {
-        .clock = clock_read,
+        /* [ ] NULL: ticks are modelled from counts, and repeat exactly. Else it counts up, wraps at 2^32 and costs little: the cycle
+         *     counter (DWT CYCCNT, mcycle), or a timer at the core's clock.
+         * [ ] It runs, sleep included: uploads beside frames wait for what tiles earn in ticks, and all but stop with a clock that
+         *     stands still. CYCCNT needs DEMCR.TRCENA, on Cortex-M7 its lock access register (0xc5acce55 to DWT_LAR) first, then
+         *     DWT_CTRL.CYCCNTENA; it counts the core's clock, and not while the core waits in WFI. */
+        .clock = NULL,
         .display_write = display_write,
         .usb_event = usb_event,
         .usb_read = usb_read,
