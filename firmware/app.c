@@ -9,6 +9,22 @@ enum {
     TICKS_VISIBLE_MESHLET = 400, /* the culled ones' share included */
 };
 
+static bool costs_valid(const struct raster_costs *c)
+{
+    bool valid = c->clear <= c->tile && c->part <= APP_MOST_SAMPLE_COST && c->cell <= APP_MOST_SAMPLE_COST;
+    for (size_t at = 0; at < sizeof *c; at += sizeof(uint32_t)) { /* it has no other members */
+        uint32_t entry;
+        __builtin_memcpy(&entry, (const uint8_t *)c + at, sizeof entry);
+        valid = valid && entry <= APP_MOST_COST;
+    }
+    for (unsigned i = 0; i < RASTER_SHADE_COUNT; i++) {
+        const struct raster_shading_cost *s = &c->shading[i];
+        valid = valid && s->sample <= APP_MOST_SAMPLE_COST && s->lit <= APP_MOST_SAMPLE_COST &&
+                s->dark <= APP_MOST_SAMPLE_COST && s->point <= APP_MOST_SAMPLE_COST;
+    }
+    return valid;
+}
+
 static bool config_valid(const struct hal *hal, const struct app_config *c)
 {
     if (c->width == 0 || c->width > RASTER_MAX_WIDTH || c->height == 0 || c->height > RASTER_MAX_HEIGHT ||
@@ -16,6 +32,8 @@ static bool config_valid(const struct hal *hal, const struct app_config *c)
         c->slot_count > USB_MAX_SLOTS)
         return false;
     if (!c->parts || !c->arena || (uintptr_t)c->arena % 8 != 0 || !c->serial)
+        return false;
+    if (c->costs && !costs_valid(c->costs))
         return false;
     if ((!c->costs && (c->budgets || !hal->clock)) || (c->tile_budget && !c->budgets) ||
         ((c->budgets || c->samples == 4) && !c->parts->cells))

@@ -23,7 +23,8 @@ struct app_config {
     const struct raster_parts *parts; /* of the renderer, that the firmware has: scenes that need others are refused */
     void *arena;                      /* 8-aligned: bins and transforms of a frame, and what the host has set */
     size_t arena_bytes;
-    const struct raster_costs *costs; /* of the target (hal/costs): what a budget goes by, and ticks without a clock */
+    const struct raster_costs *costs; /* of the target (hal/costs): what a budget goes by, and ticks without a clock; up
+                                     to APP_MOST_COST */
     const struct budget_scheduler
         *budgets;                      /* &budget_scheduler, or NULL: the firmware is without, and SET refuses one */
     uint32_t tile_budget;              /* ticks per tile on average until the host sets another; 0: no limit */
@@ -32,6 +33,11 @@ struct app_config {
     uint32_t tile_stats_count;
     const char *serial; /* USB serial number, ASCII, 1 to 31 characters, must outlive the app */
 };
+
+/* What entries of `costs` may be at most, with their 4 fraction bits. The plan's products of a sample under up to 128 lights, with 8 fraction
+ * bits, then fit into 32 bits: (1 + 128) * 2^8 * APP_MOST_SAMPLE_COST < 2^32. The tables in hal/costs have up to 28,559 and 432,000. */
+#define APP_MOST_SAMPLE_COST 130000u    /* of shading: sample, lit, dark, point; and part, cell */
+#define APP_MOST_COST        (1u << 20) /* of all entries */
 
 /* While a frame is rendered, uploads get one part in APP_PUSH_SHARE of the tiles' time: tiles earn credit, and a DATA message
  * waits until there is enough for it, at APP_PUSH_COST instructions per byte (tests/board/push measures fewer). What an erase
