@@ -42,6 +42,10 @@ static void frame_receive(struct link *l, struct canvas *c)
             !canvas_put(c, t.x, t.y, t.width, t.height, r.payload + sizeof t))
             frame_bad_tile(&t);
         progress("frame", total - c->missing, total);
+        if (link_interrupted()) { /* the next host that opens the device drops the rest of the frame */
+            device_close(l);
+            link_end_interrupted();
+        }
         link_expect_more(l);
     }
 }

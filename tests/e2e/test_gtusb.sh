@@ -328,5 +328,15 @@ interrupted_push() { # Ctrl-C while data flows: 130, and the upload is dropped. 
     return 1
 }
 check interrupted_push_ends_with_130_and_drops_the_upload interrupted_push
+interrupted_frame() { # Ctrl-C in the midst of a frame: 130 at once, no picture, and the device does not finish the frame
+    local delay
+    for delay in 0.05 0.1 0.2 0.3 0.5 0.8; do
+        loaded --size 1400x1000 -- bash -c 'timeout --foreground --preserve-status -s INT $0 gtusb frame -o "$work/i.png" 2>"$work/int.err"
+            [ $? = 130 ] && grep -q interrupted "$work/int.err" && [ ! -e "$work/i.png" ] || exit 1
+            gtusb stats | grep "^frames 0,"' $delay && return
+    done
+    return 1
+}
+check interrupted_frame_ends_with_130_before_its_end interrupted_frame
 
 echo 1..$n
