@@ -248,7 +248,7 @@ static bool part_is_there(const struct usb_info *info, const struct push *p)
 }
 
 /* Sends one slot's content. */
-static void part_push(struct link *l, const struct usb_info *info, const struct push *p)
+static void part_push(struct link *l, struct usb_info *info, const struct push *p)
 {
     struct usb_begin begin = {device_slot(p), p->kind, (uint32_t)p->bytes, p->crc};
     struct reply r;
@@ -266,6 +266,7 @@ static void part_push(struct link *l, const struct usb_info *info, const struct 
         kept = 0;
         link_request(l, &r, p->what, USB_MSG_BEGIN, &begin, sizeof begin);
     }
+    info->upload_slot = USB_NO_UPLOAD; /* an atlas's next table does not go on with it */
     push_content(l, p, kept);
     if (link_interrupted())
         push_abandon(l, NULL, p->what);

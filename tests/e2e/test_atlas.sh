@@ -113,6 +113,13 @@ cut_off() { # a push that was interrupted after the second table goes on with th
 }
 export half_0=${half[0]} half_1=${half[1]}
 check a_push_goes_on_where_it_stopped cut_off
+another() { # cut off in its last table; then another atlas of the same last table goes its own way
+    rm -f flash && gtlut atlas "${half[@]:0:5}" -o five.ktx2 && gtlut atlas "${half[1]}" "${half[@]:1}" -o other.ktx2 || return 1
+    gtsim run --flash flash -- gtusb push five.ktx2 >/dev/null || return 1
+    gtsim run --flash flash --unplug-after 100000 -- bash -c 'gtusb push half.ktx2; [ $? = 8 ] || exit 1
+        sleep 0.6; gtusb info | grep "^upload" && gtusb push other.ktx2 && gtusb verify other.ktx2'
+}
+check another_atlas_after_one_that_was_cut_off_is_pushed another
 expect slots_that_the_device_lacks 9 '' 'gtusb: push: half.ktx2: 6 tables from slot 11 on, the device has table slots 0 to 15; give fewer' \
     gtsim run -- gtusb push half.ktx2 --slot 11
 seventeen() {
