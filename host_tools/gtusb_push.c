@@ -140,17 +140,23 @@ static uint32_t device_slot(const struct push *p)
     return (uint32_t)(p->slot + 1);
 }
 
-/* Drops the upload and ends the program. */
-static _Noreturn void push_abandon(struct link *l, const struct reply *why, const char *what)
+/* Drops the upload and ends the program, because of a refusal (NULL: of what else the device said) or Ctrl-C. */
+static _Noreturn void push_abandon(struct link *l, const struct reply *refusal, const struct push *p)
 {
-    struct reply ignored, refusal = why ? *why : (struct reply){0};
+    struct reply ignored;
     link_set_patience(l, 1);
     link_send(l, USB_MSG_ABORT, NULL, 0);
     link_receive(l, &ignored);
     device_close(l);
     if (link_interrupted())
         link_end_interrupted();
-    reply_refuse(&refusal, what);
+    if (!refusal)
+        die(EXIT_USB,
+            "%s: the device lost count of the bytes; push again, and update its firmware if that does not help",
+            p->what);
+    if (refusal->status == USB_ERR_STATE)
+        die(EXIT_REFUSED, "%s: refused by the device: the upload is no longer open; push again", p->what);
+    reply_refuse(refusal, p->what);
 }
 
 /* Streams from `done` on, LINK_DEPTH messages on their way, until all is there, a refusal (then *r is the first) or Ctrl-C, and takes in
@@ -191,9 +197,11 @@ static void push_content(struct link *l, const struct push *p, size_t done)
         size_t before = done;
         done = push_stream(l, p, done, &r);
         tries = done > before ? 0 : tries;
-        bool again = r.status == USB_ERR_DAMAGED || r.status == USB_ERR_OFFSET;
-        if (link_interrupted() || (r.status != USB_OK && !again) || tries == MAX_RETRIES || r.detail > p->bytes)
-            push_abandon(l, r.status == USB_OK ? NULL : &r, p->what);
+        bool again = r.status == USB_ERR_DAMAGED || r.status == USB_ERR_OFFSET, refused = r.status != USB_OK;
+        if (link_interrupted() || (refused && (!again || tries == MAX_RETRIES)))
+            push_abandon(l, &r, p);
+        if (r.detail > p->bytes || tries == MAX_RETRIES)
+            push_abandon(l, NULL, p);
         done = r.detail; /* of a refusal: the offset expected; else that after the last message */
     }
 }
@@ -269,7 +277,7 @@ static void part_push(struct link *l, struct usb_info *info, const struct push *
     info->upload_slot = USB_NO_UPLOAD; /* an atlas's next table does not go on with it */
     push_content(l, p, kept);
     if (link_interrupted())
-        push_abandon(l, NULL, p->what);
+        push_abandon(l, NULL, p);
     link_send(l, USB_MSG_COMMIT, NULL, 0);
     link_receive(l, &r);
     if (r.status == USB_ERR_CONTENT)
@@ -277,7 +285,7 @@ static void part_push(struct link *l, struct usb_info *info, const struct push *
             p->kind == USB_SLOT_TABLE ? lut_status_text((enum lut_status)r.detail)
                                       : scene_status_text((enum scene_status)r.detail));
     if (r.status != USB_OK)
-        reply_refuse(&r, p->what);
+        push_abandon(l, &r, p);
     clock_gettime(CLOCK_MONOTONIC, &t1);
     push_verify(l, p);
     push_report(p, kept, (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec));
