@@ -16,7 +16,8 @@
 struct push {
     const char *path, *name;
     long slot; /* table slot, -1: not given */
-    bool json;
+    bool want_json;
+    FILE *json; /* what is to be printed at the end, or NULL: text, at once */
     uint8_t *file;
     size_t file_bytes;
     struct atlas atlas; /* of no tables: the file is one table, or a scene */
@@ -37,7 +38,7 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
         p->slot = parse_long("--slot", arg, 0, USB_MAX_SLOTS - 2);
         return 0;
     case 'j':
-        p->json = true;
+        p->want_json = true;
         return 0;
     case ARGP_KEY_ARG:
         if (p->path)
@@ -217,26 +218,33 @@ static void push_verify(struct link *l, const struct push *p)
             p->where, r.detail, p->crc);
 }
 
-static void json_string(const char *text)
+static void json_string(FILE *to, const char *text)
 {
-    putchar('"');
+    fputc('"', to);
     for (; *text; text++)
         if ((unsigned char)*text < ' ')
-            printf("\\u%04x", (unsigned)*text);
+            fprintf(to, "\\u%04x", (unsigned)*text);
         else
-            printf(*text == '"' || *text == '\\' ? "\\%c" : "%c", *text);
-    putchar('"');
+            fprintf(to, *text == '"' || *text == '\\' ? "\\%c" : "%c", *text);
+    fputc('"', to);
 }
 
-static void push_report(const struct push *p, size_t kept, double seconds)
+/* `there`: all of it was in the slot before, nothing was sent. */
+static void push_report(const struct push *p, size_t kept, double seconds, bool there)
 {
     double rate = seconds > 0 ? (double)(p->bytes - kept) / seconds : 0;
     if (p->json) {
-        printf("{\"file\": ");
-        json_string(p->path);
-        printf(", \"kind\": \"%s\", \"slot\": %ld, \"bytes\": %zu, \"resumed_after\": %zu, \"crc\": %u,\n"
-               " \"seconds\": %.6f, \"bytes_per_second\": %.0f, \"verified\": true}\n",
-               p->kind == USB_SLOT_SCENE ? "scene" : "table", p->slot, p->bytes, kept, p->crc, seconds, rate);
+        fprintf(p->json, "{\"file\": ");
+        json_string(p->json, p->path);
+        fprintf(p->json,
+                ", \"kind\": \"%s\", \"slot\": %ld, \"bytes\": %zu, \"resumed_after\": %zu, \"crc\": %u,\n"
+                " \"seconds\": %.6f, \"bytes_per_second\": %.0f, \"already_there\": %s, \"verified\": true}",
+                p->kind == USB_SLOT_SCENE ? "scene" : "table", p->slot, p->bytes, kept, p->crc, seconds, rate,
+                there ? "true" : "false");
+        return;
+    }
+    if (there) {
+        printf("%s to %s: all %zu bytes are there already\n", p->name, p->where, p->bytes);
         return;
     }
     printf("%s to %s: %zu bytes in %.3f s, %.2f MB/s\n", p->name, p->where, p->bytes - kept, seconds, rate / 1e6);
@@ -246,7 +254,8 @@ static void push_report(const struct push *p, size_t kept, double seconds)
 
 static const struct argp_option slot_option = {
     "slot", 'n', "N", 0, "table slot 0 to 15, as the scene's materials name it (tables only)", 0};
-static const struct argp_option json_option = {"json", 'j', NULL, 0, "print JSON", 0};
+static const struct argp_option json_option = {
+    "json", 'j', NULL, 0, "print JSON: an object, of an atlas an array of them", 0};
 
 /* Of an atlas that was pushed in part, what is there stays: the open upload would be lost. */
 static bool part_is_there(const struct usb_info *info, const struct push *p)
@@ -263,7 +272,7 @@ static void part_push(struct link *l, struct usb_info *info, const struct push *
     struct timespec t0, t1;
     if (part_is_there(info, p)) {
         push_verify(l, p);
-        push_report(p, p->bytes, 0);
+        push_report(p, p->bytes, 0, true);
         return;
     }
     clock_gettime(CLOCK_MONOTONIC, &t0);
@@ -288,7 +297,7 @@ static void part_push(struct link *l, struct usb_info *info, const struct push *
         push_abandon(l, &r, p);
     clock_gettime(CLOCK_MONOTONIC, &t1);
     push_verify(l, p);
-    push_report(p, kept, (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec));
+    push_report(p, kept, (double)(t1.tv_sec - t0.tv_sec) + 1e-9 * (double)(t1.tv_nsec - t0.tv_nsec), false);
 }
 
 void command_push(int argc, char **argv)
@@ -317,13 +326,22 @@ void command_push(int argc, char **argv)
     struct link *l = device_open(&info);
     push_check_slots(&p, &info);
     link_set_patience(l, 6);
+    char *text = NULL;
+    size_t text_bytes;
+    if (p.want_json && !(p.json = open_memstream(&text, &text_bytes)))
+        die(EXIT_INTERNAL, "out of memory");
     for (uint32_t i = 0; i < push_parts(&p); i++) {
         if (i)
             push_part(&p, i);
+        if (i && p.json)
+            fputs(",\n ", p.json);
         part_push(l, &info, &p);
         part_free(&p);
     }
     device_close(l);
+    if (p.json && fclose(p.json) == 0)
+        printf(p.atlas.tables ? "[%s]\n" : "%s\n", text);
+    free(text);
     free(p.file);
 }
 
