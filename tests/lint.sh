@@ -83,7 +83,7 @@ claim c_files_are_formatted "$(project_files '*.c' '*.h' '*.cc' | while read -r 
     clang-format-14 --dry-run -Werror "$f" >/dev/null 2>&1 || echo "$f: run make format"
 done)"
 claim no_file_names_a_machine_path "$(project_files '*' | xargs grep -nIE '(^|[^A-Za-z0-9_.])/(work|root|home)/' 2>&1)"
-claim documents_exist "$(for f in README.md DESIGN.md SPEC.md CHANGELOG.md CREDITS.md LICENSE .ci/run; do
+claim documents_exist "$(for f in README.md DESIGN.md SPEC.md CHANGELOG.md CREDITS.md LICENSE hal/PORTING.md .ci/run; do
     [ -s "$f" ] || echo "missing: $f"
 done)"
 claim scripts_are_executable "$(for f in .ci/run $(project_files '*.sh' | xargs grep -lE '^#!'); do

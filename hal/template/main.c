@@ -1,6 +1,6 @@
 /*
  * A board to start from: compiles for any target and does nothing. Copy the folder, then work through the comments: each says what the
- * firmware relies on. hal.h is the contract, hal/sim an implementation to compare with.
+ * firmware relies on. hal.h is the contract, hal/sim an implementation to compare with, hal/PORTING.md tells the whole way.
  *
  * Before main
  *   [ ] startup copies .data, clears .bss and sets the stack (the firmware's own need: `make boards` prints it)
