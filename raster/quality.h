@@ -107,7 +107,7 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
 
 /*
  * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make
- * calibrate. One table for each target. Those of shading are below 2^17, all others below 2^20.
+ * calibrate. One table for each target. A sample's and a part's are below 2^17, all others at most 2^20.
  */
 #define RASTER_COST_BITS 4u
 struct raster_costs {
