@@ -132,8 +132,8 @@ static bool is_general(const struct raster_vertex p[3], uint64_t area)
 }
 
 /* False: it does not show. */
-static bool find_box(struct box *box, const struct raster *r, const struct raster_object *o,
-                     const struct scene_meshlet *m, const struct scene_triangle *t, unsigned normal_shift)
+static bool triangle_box(struct box *box, const struct raster *r, const struct raster_object *o,
+                         const struct scene_meshlet *m, const struct scene_triangle *t, unsigned normal_shift)
 {
     const struct scene_vertex *vertices = r->frame.scene->vertices + m->vertex_first;
     struct raster_vertex p[3];
@@ -242,7 +242,7 @@ static void bound_coarse(struct raster *r, const struct raster_object *o, const 
         }
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         struct box box;
-        if (!find_box(&box, r, o, m, &r->frame.scene->triangles[m->triangle_first + i], VISIBLE_GET_SHIFT(flags)))
+        if (!triangle_box(&box, r, o, m, &r->frame.scene->triangles[m->triangle_first + i], VISIBLE_GET_SHIFT(flags)))
             continue;
         for (int32_t y = tiles->y0; y <= tiles->y1; y++)
             for (int32_t x = tiles->x0; x <= tiles->x1; x++)
@@ -261,8 +261,8 @@ static void bound_largest(struct raster *r, const struct load *load, const struc
     struct box boxes[SCENE_MESHLET_MAX_TRIANGLES];
     uint32_t count = 0;
     for (uint32_t i = 0; matters && i < m->triangle_count; i++)
-        count += find_box(&boxes[count], r, o, m, &r->frame.scene->triangles[m->triangle_first + i],
-                          VISIBLE_GET_SHIFT(flags));
+        count += triangle_box(&boxes[count], r, o, m, &r->frame.scene->triangles[m->triangle_first + i],
+                              VISIBLE_GET_SHIFT(flags));
     for (int32_t y = tiles->y0; y <= tiles->y1; y++)
         for (int32_t x = tiles->x0; x <= tiles->x1; x++) {
             struct raster_tile_bound *b = &r->bounds[(uint32_t)y * r->tiles_x + (uint32_t)x];
