@@ -107,7 +107,7 @@ static void find_load(struct load *load, const struct raster *r, const struct ra
 
 /* A triangle on the screen: pixel centres are in its box, and it has at most so much area. */
 struct box {
-    int32_t x0, y0, x1, y1; /* inclusive */
+    int16_t x0, y0, x1, y1; /* inclusive */
     uint32_t area;          /* pixels^2, rounded down */
     bool general;           /* it may be filled by general.c */
     bool cut;               /* it may have to be clipped */
@@ -158,10 +158,11 @@ static bool triangle_box(struct box *box, const struct raster *r, const struct r
         (int64_t)(p[1].x - p[0].x) * (p[2].y - p[0].y) - (int64_t)(p[1].y - p[0].y) * (p[2].x - p[0].x);
     if (area >= 0) /* counter-clockwise, y down: its normal's away */
         return false;
-    box->x0 = (fx_min(p[0].x, fx_min(p[1].x, p[2].x)) + 127) >> 8;
-    box->y0 = (fx_min(p[0].y, fx_min(p[1].y, p[2].y)) + 127) >> 8;
-    box->x1 = (fx_max(p[0].x, fx_max(p[1].x, p[2].x)) - 128) >> 8;
-    box->y1 = (fx_max(p[0].y, fx_max(p[1].y, p[2].y)) - 128) >> 8;
+    box->x0 =
+        (int16_t)((fx_min(p[0].x, fx_min(p[1].x, p[2].x)) + 127) >> 8); /* < 2^14: the guard band and half a picture */
+    box->y0 = (int16_t)((fx_min(p[0].y, fx_min(p[1].y, p[2].y)) + 127) >> 8);
+    box->x1 = (int16_t)((fx_max(p[0].x, fx_max(p[1].x, p[2].x)) - 128) >> 8);
+    box->y1 = (int16_t)((fx_max(p[0].y, fx_max(p[1].y, p[2].y)) - 128) >> 8);
     box->area = (uint32_t)(-area >> 17); /* < 2^47 */
     box->general = is_general(p, (uint64_t)-area);
     box->cut = false;
