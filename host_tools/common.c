@@ -3,15 +3,24 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 static const char *program_name = "goniotile", *subcommand_name = "";
-static char *pending_output; /* temporary file to remove when the program dies */
+static char *volatile pending_output; /* temporary file to remove when the program dies */
+
+/* The files that were read, which no output may replace. */
+static struct {
+    dev_t device;
+    ino_t inode;
+} * inputs;
+static size_t input_count;
 
 void common_set_name(const char *program, const char *subcommand)
 {
@@ -84,11 +93,38 @@ char *xasprintf(const char *format, ...)
     return s;
 }
 
+static void remember_input(const struct stat *st)
+{
+    if (!S_ISREG(st->st_mode))
+        return;
+    inputs = xrealloc(inputs, (input_count + 1) * sizeof *inputs);
+    inputs[input_count].device = st->st_dev;
+    inputs[input_count++].inode = st->st_ino;
+}
+
+void input_remember(const char *path)
+{
+    struct stat st;
+    if (!stat(path, &st))
+        remember_input(&st);
+}
+
+static bool is_input(const struct stat *st)
+{
+    for (size_t i = 0; i < input_count; i++)
+        if (inputs[i].device == st->st_dev && inputs[i].inode == st->st_ino)
+            return true;
+    return false;
+}
+
 void *read_file(const char *path, size_t max_bytes, size_t *bytes)
 {
+    struct stat st;
     FILE *f = strcmp(path, "-") ? fopen(path, "rb") : stdin;
     if (!f)
         die(EXIT_FILE, "%s: %s; give a readable file", path, strerror(errno));
+    if (!fstat(fileno(f), &st))
+        remember_input(&st);
     size_t used = 0, room = 1 << 16;
     char *data = xmalloc(room + 1);
     for (;;) {
@@ -110,40 +146,95 @@ void *read_file(const char *path, size_t max_bytes, size_t *bytes)
     return data;
 }
 
-char *output_begin(const char *path)
+/* --- output --- */
+
+static const int deadly[] = {SIGINT, SIGTERM, SIGHUP};
+enum { DEADLY = sizeof deadly / sizeof *deadly };
+
+/* The signal strikes again, by its default action, when this returns (SA_RESETHAND). */
+static void remove_pending(int signal_number)
 {
-    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
-    char *t = xasprintf("%.*s.%ld.tmp.%s%s", (int)(base - path), path, (long)getpid(), base, dot ? "" : ".tmp");
-    pending_output = t;
-    return t;
+    if (pending_output)
+        unlink(pending_output);
+    raise(signal_number);
 }
 
-void output_commit(char *temporary, const char *path)
+/* Whoever handles such a signal, or was started with it ignored, goes on with the write. */
+static void guard(struct sigaction old[DEADLY])
 {
-    if (rename(temporary, path))
+    struct sigaction remove = {.sa_handler = remove_pending, .sa_flags = SA_RESETHAND};
+    sigemptyset(&remove.sa_mask);
+    for (int i = 0; i < DEADLY; i++)
+        if (!sigaction(deadly[i], NULL, &old[i]) && old[i].sa_handler == SIG_DFL)
+            sigaction(deadly[i], &remove, NULL);
+}
+
+static void unguard(const struct sigaction old[DEADLY])
+{
+    for (int i = 0; i < DEADLY; i++)
+        sigaction(deadly[i], &old[i], NULL);
+}
+
+/* Writes and closes; stdout is flushed, it may be written to again. What is to be renamed is on the disk first. */
+static void write_all(FILE *f, const char *path, const void *data, size_t bytes)
+{
+    if (!f)
+        die(EXIT_FILE, "%s: %s; is its folder there and writable?", path, strerror(errno));
+    if (fwrite(data, 1, bytes, f) != bytes || fflush(f) || (pending_output && fsync(fileno(f))) ||
+        (f != stdout && fclose(f)))
+        die(EXIT_FILE, "%s: %s while writing", path, strerror(errno));
+}
+
+static void replace_file(const char *path, const char *target, const void *data, size_t bytes)
+{
+    struct sigaction old[DEADLY];
+    const char *slash = strrchr(target, '/'), *base = slash ? slash + 1 : target;
+    char *t = xasprintf("%.*s.%ld.tmp.%.200s", (int)(base - target), target, (long)getpid(), base);
+    guard(old);
+    pending_output = t;
+    write_all(fopen(t, "wb"), path, data, bytes);
+    if (rename(t, target))
         die(EXIT_FILE, "%s: %s; is its folder writable?", path, strerror(errno));
     pending_output = NULL;
-    free(temporary);
+    unguard(old);
+    free(t);
 }
 
 void write_file(const char *path, const void *data, size_t bytes)
 {
-    bool to_stdout = !strcmp(path, "-");
-    char *t = to_stdout ? NULL : output_begin(path);
-    FILE *f = to_stdout ? stdout : fopen(t, "wb");
-    if (!f)
-        die(EXIT_FILE, "%s: %s; is its folder there and writable?", path, strerror(errno));
-    if (fwrite(data, 1, bytes, f) != bytes || fflush(f) || (!to_stdout && (fsync(fileno(f)) || fclose(f))))
-        die(EXIT_FILE, "%s: %s while writing", path, strerror(errno));
-    if (!to_stdout)
-        output_commit(t, path);
+    struct stat st;
+    if (!strcmp(path, "-")) {
+        write_all(stdout, path, data, bytes);
+        return;
+    }
+    bool is_there = !stat(path, &st);
+    if (is_there && (S_ISCHR(st.st_mode) || S_ISFIFO(st.st_mode))) {
+        write_all(fopen(path, "wb"), path, data, bytes);
+        return;
+    }
+    if (is_there && !S_ISREG(st.st_mode))
+        die(EXIT_FILE, "%s: %s; give the name of a file", path, S_ISDIR(st.st_mode) ? strerror(EISDIR) : "no file");
+    if (is_there && is_input(&st))
+        die(EXIT_USAGE, "%s: is the input, too; give the output (-o) another name", path);
+    /* The file that a link leads to is replaced, not the link. */
+    char *target = NULL;
+    if (!lstat(path, &st) && S_ISLNK(st.st_mode) && !(target = realpath(path, NULL)))
+        die(EXIT_FILE, "%s: a link that leads nowhere (%s); remove it", path, strerror(errno));
+    replace_file(path, target ? target : path, data, bytes);
+    free(target);
+}
+
+bool decimal(const char *text, double *x)
+{
+    char *end;
+    *x = strtod(text, &end);
+    return end != text && !*end && !strpbrk(text, "xX");
 }
 
 double parse_double(const char *option, const char *text, double lo, double hi)
 {
-    char *end;
-    double x = strtod(text, &end);
-    if (end == text || *end || !isfinite(x) || x < lo || x > hi)
+    double x;
+    if (!decimal(text, &x) || !isfinite(x) || x < lo || x > hi)
         die(EXIT_USAGE, "%s: '%s' is not a number from %g to %g", option, text, lo, hi);
     return x;
 }
@@ -152,7 +243,7 @@ long parse_long(const char *option, const char *text, long lo, long hi)
 {
     char *end;
     errno = 0;
-    long x = strtol(text, &end, 0);
+    long x = strtol(text, &end, 10);
     if (end == text || *end || errno || x < lo || x > hi)
         die(EXIT_USAGE, "%s: '%s' is not a whole number from %ld to %ld", option, text, lo, hi);
     return x;

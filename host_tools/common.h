@@ -45,16 +45,18 @@ char *xasprintf(const char *format, ...) __attribute__((format(printf, 1, 2)));
  * than max_bytes. "-" reads stdin. */
 void *read_file(const char *path, size_t max_bytes, size_t *bytes);
 
-/* Writes to a temporary name beside `path` and renames it: readers see the old file or the whole new one. "-" writes stdout.
- * Dies with EXIT_FILE. */
+/* For a file that a library reads: write_file refuses to replace it, as it does what read_file has read. */
+void input_remember(const char *path);
+
+/* Writes to a temporary name beside `path` and renames it: readers see the old file or the whole new one; where `path` is a link,
+ * the file it leads to. A device or a pipe is written directly, "-" is stdout. Dies with EXIT_FILE; with EXIT_USAGE when `path` is an
+ * input. SIGINT, SIGTERM and SIGHUP remove the temporary file, too. */
 void write_file(const char *path, const void *data, size_t bytes);
 
-/* The same for output produced by a library that wants a file name: returns a temporary name with the same extension
- * (malloc'd); output_commit renames it onto `path` and frees it; die() removes it. */
-char *output_begin(const char *path);
-void output_commit(char *temporary, const char *path);
+/* True when the whole text is a number in decimal; nan and inf are. */
+bool decimal(const char *text, double *x);
 
-/* Strict numbers for options: whole string, finite, within [lo, hi]; dies with EXIT_USAGE naming the option and its range. */
+/* Strict numbers for options: whole string, decimal, finite, within [lo, hi]; dies with EXIT_USAGE naming the option and its range. */
 double parse_double(const char *option, const char *text, double lo, double hi);
 long parse_long(const char *option, const char *text, long lo, long hi);
 

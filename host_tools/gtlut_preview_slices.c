@@ -153,17 +153,16 @@ static double samples_exposure(const struct measurement_grid *g)
 }
 
 /* theta_out may be unevenly spaced: the picture has a row per step of the axis, each from the nearest sample. */
-static void slice_pixels(uint8_t *rgb, int rows, const struct measurement_slice *s, const struct montage *m,
-                         unsigned *marks)
+static void slice_pixels(uint8_t *rgb, int rows, int columns, const struct measurement_slice *s,
+                         const struct montage *m, unsigned *marks)
 {
-    int columns = (int)s->phi_count;
     for (int y = 0; y < rows; y++) {
         double theta = m->first[1] + (y + 0.5) * (m->last[1] - m->first[1]) / rows;
         size_t row = 0;
         while (row + 1 < s->theta_count && s->theta_out[row + 1] - theta < theta - s->theta_out[row])
             row++;
         for (int x = 0; x < columns; x++) {
-            size_t i = row * s->phi_count + (size_t)x;
+            size_t i = row * s->phi_count + (size_t)x % s->phi_count;
             uint8_t *out = rgb + 3 * (y * columns + x);
             for (int c = 0; c < 3; c++)
                 out[c] = tone(m->exposure, s->rgb[3 * i + (size_t)c]);
@@ -178,7 +177,7 @@ static void sample_slices(const struct preview *p, const char *path)
     const struct measurement_grid *grid = &p->samples;
     const struct measurement_slice *s = grid->slices;
     int count = (int)grid->count;
-    double last = s->theta_out[s->theta_count - 1], step = last / (double)(s->theta_count - 1);
+    double last = s->theta_out[s->theta_count - 1], step = s->theta_count > 1 ? last / (double)(s->theta_count - 1) : 1;
     struct montage m = {.columns = count > 6   ? 3
                                    : count > 1 ? 2
                                                : 1,
@@ -197,11 +196,13 @@ static void sample_slices(const struct preview *p, const char *path)
     fputs("set xtics 90\nset ytics 30\n", g.to);
     for (int k = 0; k < count; k++, s++) {
         char title[64];
-        int rows = (int)lround((m.last[1] - m.first[1]) / step);
-        uint8_t *rgb = xmalloc(3 * (size_t)rows * s->phi_count);
-        slice_pixels(rgb, rows, s, &m, &marks);
+        /* gnuplot draws no picture of fewer than 2 x 2 */
+        int rows = (int)lround(fmax((m.last[1] - m.first[1]) / step, 2));
+        int columns = s->phi_count > 1 ? (int)s->phi_count : 2;
+        uint8_t *rgb = xmalloc(3 * (size_t)rows * (size_t)columns);
+        slice_pixels(rgb, rows, columns, s, &m, &marks);
         snprintf(title, sizeof title, "θ_{in} = %.3g°", s->theta_in);
-        montage_picture(&g, &m, k, count, title, (int)s->phi_count, rows, rgb);
+        montage_picture(&g, &m, k, count, title, columns, rows, rgb);
         free(rgb);
     }
     montage_end(&g, marks);

@@ -62,6 +62,11 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case ARGP_KEY_END:
         if (!r->content.scene || !r->output)
             die(EXIT_USAGE, "a scene and -o FILE.png are needed; see 'gtsim render --help'");
+        image_need(r->output, ".png");
+        if (r->heatmap)
+            image_need(r->heatmap, ".png");
+        if (r->heatmap && !strcmp(r->heatmap, r->output))
+            die(EXIT_USAGE, "-h: %s is the picture of -o; give another name", r->heatmap);
         if ((r->board.tile_budget || r->heatmap) && (r->threads > 1 || r->shuffled))
             die(EXIT_USAGE,
                 "--budget and --heatmap are for one tile after the other; leave out --threads and --shuffle");

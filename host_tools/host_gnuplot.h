@@ -10,7 +10,8 @@
 
 struct gnuplot {
     FILE *to; /* commands */
-    char *path, *temporary;
+    char *path;
+    int pid, drawing, messages; /* the latter two are files in memory */
 };
 
 /* True when the path ends in .svg or .png. */
@@ -19,7 +20,8 @@ bool gnuplot_draws(const char *path);
 /* A page of that many pixels; `path` is what gnuplot_draws. Sets the variables `big` and `small` to fonts. Dies with EXIT_FILE. */
 void gnuplot_begin(struct gnuplot *g, const char *path, int width, int height);
 
-/* Dies with EXIT_FILE when gnuplot is missing or has failed. */
+/* Writes the file. Dies with EXIT_FILE when gnuplot is missing or has failed, saying what gnuplot says, or when what it drew has no
+ * end. */
 void gnuplot_end(struct gnuplot *g);
 
 /* A text in single quotes. */

@@ -35,31 +35,39 @@ static void *shim_symbol(const char *name)
     return symbol;
 }
 
-void image_write_u8(const char *path, int width, int height, int channels, const uint8_t *pixels)
+void image_need(const char *path, const char *extension)
+{
+    const char *dot = strrchr(path, '.');
+    if (!dot || strcmp(dot, extension))
+        die(EXIT_USAGE, "%s: the picture's name does not end in %s, the only format; rename it", path, extension);
+}
+
+static void image_write(const char *path, const char *extension, const char *encoder, int width, int height,
+                        int channels, const void *pixels)
 {
     /* The union turns dlsym's object pointer into a function pointer, which ISO C has no cast for. */
     union {
         void *object;
-        oiio_write_u8_fn *function;
-    } write = {shim_symbol("oiio_write_image_u8")};
+        oiio_encode_fn *function;
+    } encode = {shim_symbol(encoder)};
     char err[512] = "";
-    char *temporary = output_begin(path);
-    if (write.function(temporary, width, height, channels, pixels, err, sizeof err))
-        die(EXIT_FILE, "%s: %s; give a writable .png path", path, err);
-    output_commit(temporary, path);
+    unsigned char *file;
+    size_t bytes;
+    image_need(path, extension);
+    if (encode.function(&file, &bytes, width, height, channels, pixels, err, sizeof err))
+        die(EXIT_FILE, "%s: %s; give a smaller picture", path, err);
+    write_file(path, file, bytes);
+    free(file);
+}
+
+void image_write_u8(const char *path, int width, int height, int channels, const uint8_t *pixels)
+{
+    image_write(path, ".png", "oiio_encode_png", width, height, channels, pixels);
 }
 
 void image_write_float(const char *path, int width, int height, int channels, const float *pixels)
 {
-    union {
-        void *object;
-        oiio_write_float_fn *function;
-    } write = {shim_symbol("oiio_write_image")};
-    char err[512] = "";
-    char *temporary = output_begin(path);
-    if (write.function(temporary, width, height, channels, pixels, err, sizeof err))
-        die(EXIT_FILE, "%s: %s; give a writable .exr path", path, err);
-    output_commit(temporary, path);
+    image_write(path, ".exr", "oiio_encode_exr", width, height, channels, pixels);
 }
 
 float *image_read_rgb(int *width, int *height, const char *path)
@@ -72,6 +80,7 @@ float *image_read_rgb(int *width, int *height, const char *path)
     float *rgb;
     if (access(path, R_OK))
         die(EXIT_FILE, "%s: %s; give a readable image file", path, strerror(errno));
+    input_remember(path);
     if (read.function(path, (size_t)1 << 25, width, height, &rgb, err, sizeof err)) {
         err[strcspn(err, "\n")] = 0;
         die(EXIT_BAD_INPUT, "%s: %s; give an intact image", path, err);

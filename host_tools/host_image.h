@@ -2,19 +2,22 @@
  * Image files for every host program, through OpenImageIO in goniotile_oiio.so, which is opened on first
  * use: from the executable's own folder, else from ../lib/goniotile beside it.
  *
- * Pixels are row-major, top row first, channels interleaved (1 grey, 3 RGB, 4 RGBA); the extension of `path`
- * chooses the format. Output is atomic: `path` is the old file or the whole new one. Both die with EXIT_FILE,
- * saying what to do, when the shared object is missing, the format is unknown or the file cannot be written.
+ * Pixels are row-major, top row first, channels interleaved (1 grey, 3 RGB, 4 RGBA). Output is atomic: `path` is the old file or
+ * the whole new one. Both die with EXIT_FILE, saying what to do, when the shared object is missing or the file cannot be written,
+ * with EXIT_USAGE when `path` does not end as the format does.
  */
 #ifndef HOST_TOOLS_HOST_IMAGE_H
 #define HOST_TOOLS_HOST_IMAGE_H
 
 #include <stdint.h>
 
-/* sRGB-encoded bytes (PNG). */
+/* Dies with EXIT_USAGE unless the path ends in that extension (".png"). */
+void image_need(const char *path, const char *extension);
+
+/* sRGB-encoded bytes, PNG. */
 void image_write_u8(const char *path, int width, int height, int channels, const uint8_t *pixels);
 
-/* Linear light in 32-bit floats (EXR). */
+/* Linear light in 32-bit floats, EXR. */
 void image_write_float(const char *path, int width, int height, int channels, const float *pixels);
 
 /* Reads an image of at most 2^25 pixels as linear RGB, malloc'd; further channels are ignored, grey is repeated. Dies with EXIT_FILE

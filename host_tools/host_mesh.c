@@ -42,6 +42,7 @@ static void check_file(const char *path)
         die(EXIT_BAD_INPUT, "%s: %ld bytes, more than the limit of %ld; simplify the mesh", path, bytes,
             MAX_FILE_BYTES);
     fclose(f);
+    input_remember(path);
 }
 
 static void append(struct mesh *out, const struct aiMesh *part, const char *path)

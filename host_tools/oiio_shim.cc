@@ -1,8 +1,10 @@
 // OpenImageIO behind a C interface: see oiio_shim.h. The only C++ in the tree.
 #include "oiio_shim.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -18,18 +20,26 @@ int fail(char *err, size_t err_bytes, const std::string &message)
     return -1;
 }
 
-int write(const char *path, int width, int height, int channels, OIIO::TypeDesc type, const void *pixels,
-          const char *colour_space, char *err, size_t err_bytes)
+// Into memory: OpenImageIO's PNG writer does not tell when a file could not be written.
+int encode(unsigned char **file, size_t *bytes, const char *format, int width, int height, int channels,
+           OIIO::TypeDesc type, const void *pixels, const char *colour_space, char *err, size_t err_bytes)
 {
     // Exceptions must not cross the C interface.
     try {
-        std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(path);
+        std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(format);
         if (!out)
             return fail(err, err_bytes, OIIO::geterror());
         OIIO::ImageSpec spec(width, height, channels, type);
         spec.attribute("oiio:ColorSpace", colour_space);
-        if (!out->open(path, spec) || !out->write_image(type, pixels) || !out->close())
+        OIIO::Filesystem::IOVecOutput memory;
+        if (!out->set_ioproxy(&memory) || !out->open(std::string("picture.") + format, spec) ||
+            !out->write_image(type, pixels) || !out->close())
             return fail(err, err_bytes, out->geterror());
+        *bytes = memory.buffer().size();
+        *file = static_cast<unsigned char *>(std::malloc(*bytes + 1));
+        if (!*file)
+            return fail(err, err_bytes, "out of memory");
+        std::copy(memory.buffer().begin(), memory.buffer().end(), *file);
     } catch (const std::exception &e) {
         return fail(err, err_bytes, e.what());
     }
@@ -38,16 +48,16 @@ int write(const char *path, int width, int height, int channels, OIIO::TypeDesc 
 
 } // namespace
 
-extern "C" int oiio_write_image(const char *path, int width, int height, int channels, const float *pixels, char *err,
-                                size_t err_bytes)
+extern "C" int oiio_encode_exr(unsigned char **file, size_t *bytes, int width, int height, int channels,
+                               const void *pixels, char *err, size_t err_bytes)
 {
-    return write(path, width, height, channels, OIIO::TypeDesc::FLOAT, pixels, "Linear", err, err_bytes);
+    return encode(file, bytes, "exr", width, height, channels, OIIO::TypeDesc::FLOAT, pixels, "Linear", err, err_bytes);
 }
 
-extern "C" int oiio_write_image_u8(const char *path, int width, int height, int channels, const uint8_t *pixels,
-                                   char *err, size_t err_bytes)
+extern "C" int oiio_encode_png(unsigned char **file, size_t *bytes, int width, int height, int channels,
+                               const void *pixels, char *err, size_t err_bytes)
 {
-    return write(path, width, height, channels, OIIO::TypeDesc::UINT8, pixels, "sRGB", err, err_bytes);
+    return encode(file, bytes, "png", width, height, channels, OIIO::TypeDesc::UINT8, pixels, "sRGB", err, err_bytes);
 }
 
 extern "C" int oiio_read_image(const char *path, size_t max_pixels, int *width, int *height, float **rgb, char *err,

@@ -24,13 +24,13 @@ for t in matte_white plastic_red gold plastic_blue_rough copper_satin satin_gree
     tables+=(--table "$slot=$DEMO/$t.ktx2")
     slot=$((slot + 1))
 done
-"$B/guest/gtsim" render "$DEMO/six_models.blob" "${tables[@]}" -o "$work/expected.ppm" || exit 1
+"$B/guest/gtsim" render "$DEMO/six_models.blob" "${tables[@]}" -o "$work/expected.png" || exit 1
 
 mkdir -p "$work"/initrd/{bin,host,modules} && chmod 755 "$work"
 cp "$(command -v busybox)" "$work/initrd/bin/busybox"
 cp "$kernel"/*.ko "$work/initrd/modules/"
 install -m 755 tests/guest/init "$work/initrd/init"
-printf 'export %s\n' "PATH='$PATH'" "B='$B'" TMPDIR=/mnt LC_ALL=C "EXPECTED='$work/expected.ppm'" "SOURCE='$PWD'" \
+printf 'export %s\n' "PATH='$PATH'" "B='$B'" TMPDIR=/mnt LC_ALL=C "EXPECTED='$work/expected.png'" "SOURCE='$PWD'" \
     "PROGRAM='$PWD/tests/guest/scenario.sh'" >"$work/initrd/parameters"
 (cd "$work/initrd" && find . | cpio -o -H newc --quiet) >"$work/initrd.cpio"
 

@@ -105,8 +105,8 @@ session() { # line who serial speed packet
     holds the_device_is_suspended suspends
     says the_device_wakes_up_for_a_request 0 '' usb info
 
-    says a_frame_is_fetched 0 '' usb frame -o "$work/frame.ppm"
-    holds the_frame_is_the_simulators_to_the_bit cmp "$work/frame.ppm" "$EXPECTED"
+    says a_frame_is_fetched 0 '' usb frame -o "$work/frame.png"
+    holds the_frame_is_the_simulators_to_the_bit cmp "$work/frame.png" "$EXPECTED"
     said=$(order counts)
     echo "# $who: ${said#ok }, $(cut -d' ' -f1 /proc/uptime) s after the machine was switched on"
 }

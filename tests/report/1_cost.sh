@@ -16,7 +16,7 @@ done
 milliseconds() { # size threads option...: of one frame
     local size=$1 threads=$2
     shift 2
-    "$B/gtsim" render "$B/demo/six_models.blob" "$@" --size "$size" --threads "$threads" --stats -o "$work/frame.ppm" | awk '/^frame hash/ { print $(NF - 1) }'
+    "$B/gtsim" render "$B/demo/six_models.blob" "$@" --size "$size" --threads "$threads" --stats -o "$work/frame.png" | awk '/^frame hash/ { print $(NF - 1) }'
 }
 csv=$OUT/1_cost.csv
 echo 'target,size,unit,lafortune_phong,half_vector,specular_frame' >"$csv"

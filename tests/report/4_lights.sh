@@ -17,7 +17,7 @@ fi
 table "$source" "$slot" --size 16K
 
 floor_mesh 6 >"$work/floor.obj"
-wall() { # name material lights power tone extension
+wall() { # name material lights power tone
     local lights
     lights=$(awk -v n="$3" -v p="$4" 'BEGIN { for (i = 0; i < n; i++)
         printf "%s{\"type\": \"point\", \"position\": [0, 1.2, 0], \"power\": %g, \"radius\": 10}", i ? ", " : "", p }')
@@ -27,7 +27,7 @@ wall() { # name material lights power tone extension
  "camera": {"eye": [0, 5, 0], "target": [0, 0, 0], "up": [0, 0, -1], "fov_y": 45, "near": 0.5},
  "output": {"exposure": 1, "tone_curve": "$5"}}
 JSON
-    quietly "$B/gtsim" render "$work/$1.blob" --table "0=$slot" --size $size -o "$work/$1.$6"
+    quietly "$B/gtsim" render "$work/$1.blob" --table "0=$slot" --size $size -o "$work/$1.png"
 }
 models=(blinn_phong ggx measured measured_ldr)
 declare -A material=(
@@ -41,11 +41,9 @@ csv=$OUT/4_lights.csv
 echo 'lights,blinn_phong,ggx,measured,measured_ldr' >"$csv"
 for n in "${counts[@]}"; do
     pictures=()
-    # Those that are shown.
-    case $n in 1 | 2 | 5 | 10) extension=png ;; *) extension=ppm ;; esac
     for model in "${models[@]}"; do
-        wall "${model}_$n" "${material[$model]}" "$n" 50 "${tone[$model]}" $extension &
-        pictures+=("$work/${model}_$n.$extension")
+        wall "${model}_$n" "${material[$model]}" "$n" 50 "${tone[$model]}" &
+        pictures+=("$work/${model}_$n.png")
     done
     wait
     "$B/report_pixels" "${pictures[@]}" >"$work/white"

@@ -42,7 +42,7 @@ JSON
     # In turn, so that all meet the machine alike.
     for ((i = 0; i < repeats; i++)); do
         for model in "${models[@]}"; do
-            picture=$work/frame.ppm
+            picture=$work/frame.png
             [ $i != 0 ] || picture=$OUT/5_${model}_$n.png
             "$B/gtsim" render "$work/$model.blob" --table "0=$B/demo/gold.ktx2" --size $size --stats -o "$picture" >"$work/stats"
             awk '/^frame hash/ { print $(NF - 1) }' "$work/stats" >>"$work/$n.$model.ms"
