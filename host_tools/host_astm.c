@@ -103,6 +103,7 @@ void astm_load(struct measurement *out, const char *path, uint8_t *data, size_t 
     struct spectral s = {0};
     double want = -1;
     text_open(&r, path, data, bytes);
+    r.radians = true;
     measurement_init(out, path);
     for (char *line; (line = text_line(&r));) {
         if (!strncmp(line, "NUM_POINTS", 10)) {

@@ -17,6 +17,8 @@ struct csv {
     int columns;
     int field[MAX_COLUMNS]; /* of a column, or IGNORED */
     size_t negative, first_negative_line;
+    float largest_theta, largest_phi;
+    struct measurement turned; /* samples at phi_out 360, which may repeat those at 0 */
     bool raw;
 };
 
@@ -36,6 +38,7 @@ static char *next_cell(char **rest)
 static void parse_header(struct csv *c, char *line)
 {
     unsigned seen = 0;
+    bool is_foreign = !strchr(line, ',') && strpbrk(line, ";\t");
     for (char *rest = line; rest; c->columns++) {
         char *name = next_cell(&rest);
         if (c->columns == MAX_COLUMNS)
@@ -45,6 +48,8 @@ static void parse_header(struct csv *c, char *line)
         while (f < FIELDS && strcmp(name, field_names[f]))
             f++;
         c->field[c->columns] = f;
+        if (f == IGNORED && is_foreign)
+            continue; /* dies below */
         if (f == IGNORED) {
             warn("%s:%zu: column '%.40s' is not one of theta_in,theta_out,phi_out,R,G,B: ignored", c->path, c->line,
                  name);
@@ -58,8 +63,9 @@ static void parse_header(struct csv *c, char *line)
         if (!(seen >> f & 1))
             die(EXIT_BAD_INPUT,
                 "%s:%zu: no column %s; the first line must name theta_in,theta_out,phi_out,R,G,B (degrees, "
-                "1/sr)",
-                c->path, c->line, field_names[f]);
+                "1/sr)%s",
+                c->path, c->line, field_names[f],
+                is_foreign ? "; separate columns by commas, with decimal points" : "");
 }
 
 static void check_angle(const struct csv *c, int f, double x)
@@ -89,12 +95,11 @@ static void parse_row(struct measurement *out, struct csv *c, char *line)
     double x[FIELDS + 1];
     int column = 0;
     for (char *rest = line; rest; column++) {
-        char *cell = next_cell(&rest), *end;
+        char *cell = next_cell(&rest);
         int f = column < c->columns ? c->field[column] : IGNORED;
         if (f == IGNORED)
             continue;
-        x[f] = strtod(cell, &end);
-        if (end == cell || *end)
+        if (!decimal(cell, &x[f]))
             die(EXIT_BAD_INPUT, "%s:%zu: %s is '%.40s', not a number; write decimal numbers between commas", c->path,
                 c->line, field_names[f], cell);
         if (f <= PHI_OUT)
@@ -111,9 +116,39 @@ static void parse_row(struct measurement *out, struct csv *c, char *line)
                                       (float)phi < 360 ? (float)phi : 0,
                                       {(float)x[RED], (float)x[GREEN], (float)x[BLUE]},
                                       MEASURED};
-    if (out->count == MEASUREMENT_MAX_POINTS)
+    if (out->count + c->turned.count == MEASUREMENT_MAX_POINTS)
         die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", c->path, c->line, MEASUREMENT_MAX_POINTS);
-    measurement_add(out, &point);
+    c->largest_theta = fmaxf(c->largest_theta, fmaxf(point.theta_in, point.theta_out));
+    c->largest_phi = fmaxf(c->largest_phi, point.phi_out);
+    measurement_add(x[PHI_OUT] == 360 ? &c->turned : out, &point);
+}
+
+static int compare_directions(const void *a, const void *b)
+{
+    const struct measurement_point *p = a, *q = b;
+    int by_in = (p->theta_in > q->theta_in) - (p->theta_in < q->theta_in);
+    return by_in ? by_in : (p->theta_out > q->theta_out) - (p->theta_out < q->theta_out);
+}
+
+/* A full turn measured from 0 to 360 has its first azimuth twice: what is the same there counts once. */
+static void merge_turned(struct measurement *out, const struct measurement *turned)
+{
+    struct measurement first;
+    if (!turned->count)
+        return;
+    measurement_init(&first, "");
+    for (size_t i = 0; i < out->count; i++)
+        if (out->points[i].phi_out == 0)
+            measurement_add(&first, &out->points[i]);
+    qsort(first.points, first.count, sizeof *first.points, compare_directions);
+    for (size_t i = 0; i < turned->count; i++) {
+        const struct measurement_point *p = &turned->points[i], *same = NULL;
+        if (first.count)
+            same = bsearch(p, first.points, first.count, sizeof *p, compare_directions);
+        if (!same || memcmp(same->rgb, p->rgb, sizeof p->rgb))
+            measurement_add(out, p);
+    }
+    measurement_free(&first);
 }
 
 void csv_parse(struct measurement *out, const char *path, char *text, size_t bytes, bool raw)
@@ -125,6 +160,7 @@ void csv_parse(struct measurement *out, const char *path, char *text, size_t byt
             "%s: byte %zu is NUL; neither a measurement file nor CSV text: gtlut import reads other formats", path,
             (size_t)(nul - text));
     measurement_init(out, path);
+    measurement_init(&c.turned, path);
     if (!strncmp(text, "\xef\xbb\xbf", 3)) /* UTF-8 byte order mark */
         text += 3;
     for (char *line = text, *next; line; line = next) {
@@ -142,8 +178,13 @@ void csv_parse(struct measurement *out, const char *path, char *text, size_t byt
         else
             parse_header(&c, line);
     }
+    merge_turned(out, &c.turned);
+    measurement_free(&c.turned);
     if (!out->count)
         die(EXIT_BAD_INPUT, "%s: no samples in %zu lines; give a header line and one line per direction", path, c.line);
     if (c.negative)
         warn("%s: %zu negative values set to 0, the first in line %zu", path, c.negative, c.first_negative_line);
+    if (c.largest_theta > 0 && c.largest_theta <= 1.571f && c.largest_phi <= 6.2832f)
+        warn("%s: no theta above 1.571, no phi_out above 6.283: the angles look like radians, they are read as degrees",
+             path);
 }

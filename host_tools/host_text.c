@@ -51,9 +51,8 @@ double text_number(const struct text_reader *r, const char *what, const char *to
 {
     if (!token)
         die(EXIT_BAD_INPUT, "%s:%zu: the file ends where %s is wanted; it is truncated", r->path, r->line, what);
-    char *end;
-    double x = strtod(token, &end);
-    if (end == token || *end)
+    double x;
+    if (!decimal(token, &x))
         die(EXIT_BAD_INPUT, "%s:%zu: '%.40s' where %s is wanted; write a decimal number", r->path, r->line, token,
             what);
     if (!any && !isfinite(x))
@@ -110,15 +109,16 @@ bool text_begins(const uint8_t *data, size_t bytes, const char *word)
 void text_add(struct measurement *m, const struct text_reader *r, const double angle[4], const double rgb[3])
 {
     double theta_in = angle[0], phi_in = angle[1], theta_out = angle[2], phi_out = angle[3];
+    double unit = r->radians ? 3.14159265358979323846 / 180 : 1;
     phi_in += theta_in < 0 ? 180 : 0;
     phi_out += theta_out < 0 ? 180 : 0;
     theta_in = fabs(theta_in);
     theta_out = fabs(theta_out);
     if (!(theta_in < 90 - 1e-6) || !(theta_out < 90 + 1e-4) || !(fabs(phi_in) <= 1e4) || !(fabs(phi_out) <= 1e4))
         die(EXIT_BAD_INPUT,
-            "%s:%zu: theta %g in and %g out, phi %g in and %g out, in degrees; theta must be below 90 (reflection "
-            "only)",
-            r->path, r->line, theta_in, theta_out, phi_in, phi_out);
+            "%s:%zu: theta %g in and %g out, phi %g in and %g out, in %s; theta must be below %s (reflection only)",
+            r->path, r->line, theta_in * unit, theta_out * unit, phi_in * unit, phi_out * unit,
+            r->radians ? "radians" : "degrees", r->radians ? "pi/2" : "90");
     if (m->count == MEASUREMENT_MAX_POINTS)
         die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", r->path, r->line, MEASUREMENT_MAX_POINTS);
     double phi = fmod(phi_out - phi_in, 360);

@@ -15,6 +15,7 @@ struct text_reader {
     char *rest;  /* NULL at the end */
     char *token; /* where text_token goes on in the current line; NULL: needs the next one */
     size_t line;
+    bool radians; /* the file's angles, for messages */
 };
 
 /* In: `data` of `bytes` bytes and a NUL after them, cut up in place. Dies with EXIT_BAD_INPUT when there is a NUL within. */

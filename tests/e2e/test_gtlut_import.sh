@@ -28,6 +28,8 @@ imports_astm() {
     cmp <(tail -c 60000 a1.ktx2) <(tail -c 60000 b1.ktx2) || { echo "the tables differ"; return 1; }
     refused 2 '--geometry: astm keeps its own' import a.astm --geometry dense -o out.gtm || return 1
     refused 4 'is astm, not csv' import a.astm --format csv -o out.gtm || return 1
+    sed '/^VARS/,$ { /^[0-9]/ s/^[^,]*/1.6/ }' a.astm >steep.astm
+    refused 4 'theta 1.6 in .*, in radians; theta must be below pi/2' import steep.astm -o out.gtm || return 1
     head -c 1000000 a.astm >cut.astm && refused 4 'NUM_POINTS says|numbers where' import cut.astm -o out.gtm
 }
 check "an ASTM file of the same samples makes the same table" imports_astm
