@@ -54,7 +54,7 @@ static const double energy_limit = 1.02;
 static unsigned wanting(const struct check *c, double max_reciprocity)
 {
     bool is[SUBJECTS] = {
-        [COVERAGE] = c->grid_problem || c->missing || c->doubled,
+        [COVERAGE] = c->grid_problem || c->coverage_problem || c->missing || c->doubled,
         [FINITE] = c->nan + c->infinite > 0,
         [NEGATIVE] = c->negative > 0,
         [OUTLIERS] = c->outliers > 0,
@@ -98,8 +98,11 @@ static void print_text(const struct check *c, unsigned set)
     }
     if (c->grid_problem)
         line(set, COVERAGE, "%s", c->grid_problem);
-    line(set, COVERAGE, "%zu samples missing, %zu twice, %zu extrapolated, %zu filled in before", c->missing,
-         c->doubled, c->extrapolated, c->filled);
+    if (c->coverage_problem)
+        line(set, COVERAGE, "%s", c->coverage_problem);
+    line(c->missing || c->doubled ? set : 0, COVERAGE,
+         "%zu samples missing, %zu twice, %zu extrapolated, %zu filled in before", c->missing, c->doubled,
+         c->extrapolated, c->filled);
     line(set, FINITE, "%zu samples not a number, %zu infinite", c->nan, c->infinite);
     line(set, NEGATIVE, "%zu samples below 0", c->negative);
     line(set, OUTLIERS, "%zu samples far from their neighbours", c->outliers);
@@ -159,6 +162,8 @@ static void print_json(const struct check *c, unsigned set, const char *source)
     json_integer("extrapolated", c->extrapolated);
     json_integer("filled", c->filled);
     json_integer("blind", c->blind);
+    json_number("covered_least", c->covered_least);
+    json_number("phi_gap", c->phi_gap);
     json_number("blind_radius", c->blind_radius);
     json_integer("reciprocal_pairs", c->reciprocal_pairs);
     json_number("reciprocity", c->reciprocity[0]);

@@ -346,4 +346,5 @@ void check_free(struct check *c)
     }
     free(c->slices);
     free(c->grid_problem);
+    free(c->coverage_problem);
 }

@@ -32,6 +32,9 @@ struct check_slice {
     double albedo_carried[3]; /* the same with the last row carried on to the horizon */
 };
 
+/* Degrees of azimuth that one sample may stand for. */
+enum { CHECK_PHI_GAP = 30 };
+
 /* What the values seem to be. */
 enum check_quantity { CHECK_BRDF, CHECK_TIMES_COSINE, CHECK_OVER_COSINE, CHECK_UNCLEAR };
 
@@ -40,7 +43,10 @@ struct check {
     size_t nan, infinite, negative, doubled, extrapolated, filled; /* samples */
     size_t missing, blind, outliers;                               /* cells of the grid */
     double blind_radius;                                           /* degrees from the light, 0 without blind spot */
-    char *grid_problem; /* why no table can be built from it as it is; NULL when one can */
+    double phi_gap;         /* degrees, the largest between two phi_out where they matter: of slices off the normal */
+    double covered_least;   /* of the slices with any sample that is not extrapolated; 1 without one */
+    char *coverage_problem; /* too little for a table to be the material's; NULL when there is none */
+    char *grid_problem;     /* why no table can be built from it as it is; NULL when one can */
     size_t reciprocal_pairs;
     /* Cosine-weighted relative RMSE between f(l,v) and f(v,l) of the values as they are, divided by cos(theta_out), and
      * multiplied by it; 0 without pairs. */

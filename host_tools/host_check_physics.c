@@ -8,13 +8,24 @@
 
 static const double pi = 3.14159265358979323846, degree = 3.14159265358979323846 / 180;
 
-/* Azimuth that column k stands for, radians. */
+/* Degrees from column k to the next one. */
+static double gap_after(const struct check_slice *s, size_t k)
+{
+    return k + 1 < s->phi_count ? s->phi_out[k + 1] - s->phi_out[k] : s->phi_out[0] + 360 - s->phi_out[k];
+}
+
+/* With light along the normal one azimuth is as good as another. */
+static bool along_the_normal(const struct check_slice *s)
+{
+    return s->theta_in < 1e-3;
+}
+
+/* Azimuth that column k stands for, radians: a scan of one plane is none of the hemisphere. */
 static double column_width(const struct check_slice *s, size_t k)
 {
-    size_t n = s->phi_count;
-    double left = k ? s->phi_out[k - 1] : s->phi_out[n - 1] - 360,
-           right = k + 1 < n ? s->phi_out[k + 1] : s->phi_out[0] + 360;
-    return n > 1 ? (right - left) / 2 * degree : 2 * pi;
+    double left = gap_after(s, k ? k - 1 : s->phi_count - 1), right = gap_after(s, k);
+    double most = along_the_normal(s) ? 360 : CHECK_PHI_GAP;
+    return (fmin(left, most) + fmin(right, most)) / 2 * degree;
 }
 
 static void integrate(struct check_slice *s)
@@ -39,6 +50,32 @@ static void integrate(struct check_slice *s)
             s->albedo_carried[c] += (strip + beyond) * 2 * pi * sum[c] / width;
         }
     }
+}
+
+static void judge_coverage(struct check *c)
+{
+    double where = 0;
+    c->covered_least = 1;
+    for (size_t i = 0; i < c->count; i++) {
+        const struct check_slice *s = &c->slices[i];
+        bool measured = false;
+        for (size_t k = 0; k < s->theta_count * s->phi_count && !measured; k++)
+            measured = s->state[k] != CHECK_EXTRAPOLATED;
+        if (measured && s->covered < c->covered_least) {
+            c->covered_least = s->covered;
+            where = s->theta_in;
+        }
+        for (size_t k = 0; k < s->phi_count && !along_the_normal(s); k++)
+            c->phi_gap = fmax(c->phi_gap, gap_after(s, k));
+    }
+    if (c->phi_gap > CHECK_PHI_GAP + 1e-3)
+        c->coverage_problem =
+            xasprintf("phi_out lie up to %g degrees apart, nothing is known between; measure every %d", c->phi_gap,
+                      CHECK_PHI_GAP);
+    else if (c->covered_least < 0.2)
+        c->coverage_problem =
+            xasprintf("only %.1f %% of the hemisphere measured at theta_in %g; measure more, and in degrees",
+                      100 * c->covered_least, where);
 }
 
 double check_albedo_max(const struct check *c)
@@ -161,6 +198,7 @@ void check_physics(struct check *c)
 {
     for (size_t i = 0; i < c->count; i++)
         integrate(&c->slices[i]);
+    judge_coverage(c);
     compare_reciprocal(c);
     c->trend = c->count ? grazing_trend(&c->slices[0]) : NAN;
     c->quantity = quantity_of(c);

@@ -42,6 +42,7 @@ finds() {
     { cat y.csv; tail -1 y.csv; } >bad.csv && wanting coverage '0 samples missing, 1 twice' bad.csv || return 1
     edit '$4 *= 2; $5 *= 2; $6 *= 2' >bad.csv && wanting energy 'theta_in 60: albedo 1\.' bad.csv || return 1
     edit 'if ($1 == 20) $5 *= 3' >bad.csv && wanting reciprocity 'relative error 0\.[3-9]' bad.csv || return 1
+    edit 'if ($3 % 180) next' >bad.csv && wanting coverage 'phi_out lie up to 180 degrees apart' bad.csv || return 1
     edit 'if ($1 > 0 && ($2 - $1) ^ 2 + (($3 > 180 ? 360 - $3 : $3) * sin($1 * 0.01745)) ^ 2 < 25) $4 = $5 = $6 = 0' >bad.csv
     wanting blind_spot '[45]\.[0-9] degrees around the light hold nothing' bad.csv
 }

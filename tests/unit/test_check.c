@@ -88,6 +88,49 @@ static void a_sound_measurement_has_no_faults(void **state)
     check_free(&c);
 }
 
+static void one_plane_is_not_the_hemisphere(void **state)
+{
+    (void)state;
+    static const int steps[] = {36, 18, 6}; /* columns apart: 180, 90, 30 degrees */
+    for (int n = 0; n < 3; n++) {
+        struct measurement all, m;
+        struct check c;
+        make(&all, fixture_brdf);
+        measurement_init(&m, "made");
+        for (size_t i = 0; i < all.count; i++)
+            if (i % COLUMNS % (size_t)steps[n] == 0)
+                measurement_add(&m, &all.points[i]);
+        check_make(&c, &m, geometry());
+        assert_true(fabs(c.phi_gap - 5 * steps[n]) < 1e-6);
+        assert_int_equal(c.coverage_problem != NULL, n < 2);
+        /* Light along the normal needs one azimuth; off it, each stands for 30 degrees. */
+        assert_true(fabs(c.slices[0].covered - 0.933) < 1e-3);
+        assert_true(fabs(c.slices[1].covered - 0.933 * (COLUMNS / steps[n]) * 30 / 360) < 1e-3);
+        assert_true(fabs(c.covered_least - c.slices[1].covered) < 1e-9);
+        check_free(&c);
+        measurement_free(&m);
+        measurement_free(&all);
+    }
+}
+
+static void a_cap_around_the_normal_is_not_the_hemisphere(void **state)
+{
+    (void)state;
+    struct measurement all, m;
+    struct check c;
+    make(&all, fixture_brdf);
+    measurement_init(&m, "made");
+    for (size_t i = 0; i < all.count; i++)
+        if (all.points[i].theta_out < 25)
+            measurement_add(&m, &all.points[i]);
+    check_make(&c, &m, geometry());
+    assert_non_null(c.coverage_problem);
+    assert_true(c.covered_least < 0.2);
+    check_free(&c);
+    measurement_free(&m);
+    measurement_free(&all);
+}
+
 static void albedo_is_exact_for_a_constant_and_above_1_is_seen(void **state)
 {
     (void)state;
@@ -398,6 +441,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sound_measurement_has_no_faults),
+        cmocka_unit_test(one_plane_is_not_the_hemisphere),
+        cmocka_unit_test(a_cap_around_the_normal_is_not_the_hemisphere),
         cmocka_unit_test(albedo_is_exact_for_a_constant_and_above_1_is_seen),
         cmocka_unit_test(a_cosine_too_much_or_too_little_is_told_and_undone),
         cmocka_unit_test(a_single_angle_of_incidence_is_judged_by_its_trend),
