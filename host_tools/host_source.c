@@ -26,12 +26,17 @@ static void set_name(struct brdf_source *s, const char *path)
     measurement_free(&m);
 }
 
-/* theta of both in radians, and the azimuth of v from that of l. */
+/* theta of both in radians, and the azimuth of v from that of l; from x where l is the normal, whose azimuth is any. */
 static void polar(double *theta_l, double *theta_v, double *phi, const double l[3], const double v[3])
 {
     *theta_l = atan2(hypot(l[0], l[1]), l[2]);
     *theta_v = atan2(hypot(v[0], v[1]), v[2]);
-    *phi = atan2(l[0] * v[1] - l[1] * v[0], l[0] * v[0] + l[1] * v[1]);
+    double c = l[0], s = l[1];
+    if (hypot(c, s) < 1e-9) {
+        c = 1;
+        s = 0;
+    }
+    *phi = atan2(c * v[1] - s * v[0], c * v[0] + s * v[1]);
 }
 
 /* --- RGL --- */

@@ -8,6 +8,7 @@
 #include "host_csv.h"
 #include "host_measurement.h"
 #include "host_rgl.h"
+#include "host_source.h"
 #include "importer_fixture.h"
 #include "ref_rgl.h"
 
@@ -67,10 +68,20 @@ static void csv_brings_azimuths_into_one_turn(void **state)
     (void)state;
     struct measurement m;
     parse_text(&m,
-               "theta_in,theta_out,phi_out,R,G,B\n0,0,-90,1,1,1\n0,0,360,1,1,1\n0,0,-360,1,1,1\n0,0,-1e-12,1,1,1\n");
+               "theta_in,theta_out,phi_out,R,G,B\n0,0,-90,1,1,1\n0,0,360,2,2,2\n0,0,-360,1,1,1\n0,0,-1e-12,1,1,1\n");
     const double want[4] = {270, 0, 0, 0};
     for (int i = 0; i < 4; i++)
         assert_true((double)m.points[i].phi_out == want[i]);
+    measurement_free(&m);
+}
+
+static void csv_counts_a_full_turn_once(void **state)
+{
+    (void)state;
+    struct measurement m;
+    parse_text(&m, "theta_in,theta_out,phi_out,R,G,B\n0,0,360,1,1,1\n0,5,360,2,2,2\n0,0,0,1,1,1\n0,5,0,2,2,3\n");
+    assert_int_equal(m.count, 3); /* what differs stays, to be refused as two samples of one direction */
+    assert_true((double)m.points[2].theta_out == 5 && (double)m.points[2].phi_out == 0);
     measurement_free(&m);
 }
 
@@ -88,6 +99,22 @@ static void csv_negative_values_become_zero_with_a_count(void **state)
     const char *text = "theta_in,theta_out,phi_out,R,G,B\n0,0,0,-0.1,1,1\n0,1,0,1,1,-2\n";
     assert_int_equal(exit_code_of(read_csv_counting, &(struct bytes){(uint8_t *)text, strlen(text)}), 0);
     assert_non_null(strstr(child_message, "2 negative values set to 0, the first in line 2"));
+}
+
+static void csv_in_radians_is_said_to_be(void **state)
+{
+    (void)state;
+    static const char head[] = "theta_in,theta_out,phi_out,R,G,B\n0,0,0,1,1,1\n";
+    static const struct {
+        const char *row;
+        bool warns;
+    } cases[] = {{"1,1.5,6.2,1,1,1\n", true}, {"1,1.6,6.2,1,1,1\n", false}, {"1,1.5,7,1,1,1\n", false}, {"", false}};
+    for (int i = 0; i < 4; i++) {
+        char *text = xasprintf("%s%s", head, cases[i].row);
+        exit_code_of(read_csv_counting, &(struct bytes){(uint8_t *)text, strlen(text)});
+        assert_int_equal(strstr(child_message, "look like radians") != NULL, cases[i].warns);
+        free(text);
+    }
 }
 
 static void csv_ignores_other_columns_and_says_so(void **state)
@@ -112,6 +139,9 @@ static void csv_names_the_line_of_what_is_wrong(void **state)
     csv_dies(HEADER "0,0,0,1,,1\n", "in.csv:2: G is '', not a number");
     csv_dies(HEADER "0,0,0,1,1,\n5\n", "in.csv:2: B is ''");
     csv_dies(HEADER "0,0,0,1,1,1x\n", "in.csv:2: B is '1x'");
+    csv_dies(HEADER "0,0,0,1,1,0x1p3\n", "in.csv:2: B is '0x1p3', not a number; write decimal");
+    csv_dies("theta_in;theta_out;phi_out;R;G;B\n0;0;0;1;1;1\n", "separate columns by commas");
+    csv_dies("theta_in\ttheta_out\tphi_out\tR\tG\tB\n", "separate columns by commas");
     csv_dies(HEADER "0,0,0,1,1\n", "in.csv:2: 5 columns where the header names 6");
     csv_dies(HEADER "0,0,0,1,1,1,1\n", "in.csv:2: 7 columns where the header names 6");
     csv_dies(HEADER "# c\n0,0,0,nan,1,1\n", "in.csv:3: R is nan");
@@ -154,7 +184,7 @@ static void grid_says_which_direction_breaks_it(void **state)
     grid_dies("0,0,0,1,1,1\n0,0,180,1,1,1\n0,5,0,1,1,1\n", "theta_out 5 has 1 azimuths where the first row has 2");
     grid_dies("0,0,0,1,1,1\n0,0,180,1,1,1\n0,5,180,1,1,1\n0,7,0,1,1,1\n0,7,180,1,1,1\n0,8,0,1,1,1\n", "theta_out 5");
     grid_dies("0,0,0,1,1,1\n0,0,90,1,1,1\n", "phi_out 90 stands where 2 equal steps of a full turn want 180");
-    grid_dies("0,0,0,1,1,1\n0,0,360,1,1,1\n", "two samples at theta_in 0, theta_out 0, phi_out 0");
+    grid_dies("0,0,0,1,1,1\n0,0,360,1,1,2\n", "two samples at theta_in 0, theta_out 0, phi_out 0");
     grid_dies("0,0,0,1,1,1\n20,0,0,1,1,1\n30,0,0,1,1,1\n", "theta_in 20 stands where equal steps from 0 to 30 want 15");
     grid_dies("20,0,0,1,1,1\n", "theta_in 20 stands where");
     grid_dies("10,0,0,1,1,1\n20,0,0,1,1,1\n", "theta_in 10 stands where");
@@ -456,6 +486,34 @@ static void rgl_value_equals_an_independent_evaluation_on_real_materials(void **
     }
 }
 
+static void rgl_under_light_along_the_normal_depends_on_the_azimuth(void **state)
+{
+    (void)state;
+    struct bytes b = make_rgl(1);
+    char *path = xasprintf("/tmp/goniotile_%d.bsdf", (int)getpid());
+    struct rgl *r = rgl_open("in.bsdf", b.data, b.count);
+    struct brdf_source source;
+    write_file(path, b.data, b.count);
+    source_open(&source, path);
+    const double l[3] = {0, 0, 1};
+    double first[3], got[3], want[3];
+    for (int i = 0; i < 6; i++) {
+        const double phi = 0.5 + i, v[3] = {0.6 * cos(phi), 0.6 * sin(phi), 0.8};
+        source.value(got, source.ctx, l, v);
+        rgl_value(want, r, 0, acos(0.8), phi);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(got[c] - want[c]) < 1e-9);
+        if (!i)
+            memcpy(first, got, sizeof first);
+    }
+    assert_true(fabs(got[0] - first[0]) > 1e-3 * first[0]);
+    source_close(&source);
+    unlink(path);
+    free(path);
+    rgl_close(r);
+    free(b.data);
+}
+
 static void rgl_sample_visits_the_geometry(void **state)
 {
     (void)state;
@@ -555,6 +613,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(csv_columns_come_in_any_order_with_comments_and_any_line_ends),
         cmocka_unit_test(csv_brings_azimuths_into_one_turn),
+        cmocka_unit_test(csv_counts_a_full_turn_once),
+        cmocka_unit_test(csv_in_radians_is_said_to_be),
         cmocka_unit_test(csv_negative_values_become_zero_with_a_count),
         cmocka_unit_test(csv_ignores_other_columns_and_says_so),
         cmocka_unit_test(csv_names_the_line_of_what_is_wrong),
@@ -568,6 +628,7 @@ int main(void)
         cmocka_unit_test(measurement_file_with_any_byte_changed_or_cut_is_refused),
         cmocka_unit_test(rgl_value_equals_an_independent_evaluation),
         cmocka_unit_test(rgl_value_equals_an_independent_evaluation_on_real_materials),
+        cmocka_unit_test(rgl_under_light_along_the_normal_depends_on_the_azimuth),
         cmocka_unit_test(rgl_sample_visits_the_geometry),
         cmocka_unit_test(rgl_file_cut_anywhere_is_refused),
         cmocka_unit_test(rgl_field_table_damage_never_reads_outside_the_file),
