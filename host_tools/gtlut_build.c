@@ -1,6 +1,7 @@
 /* gtlut build: from a reflectance to a table file. */
 #include "gtlut.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "common.h"
 #include "gtlut_build.h"
 #include "gtlut_table.h"
+#include "host_check.h"
 #include "host_import.h"
 #include "host_rgl.h"
 
@@ -125,6 +127,20 @@ static bool names_a_fit(const char *path)
     return is_file;
 }
 
+/* A table can be built of it all the same. */
+static void look_at_measurement(struct build_input *in, const char *path)
+{
+    struct check c;
+    check_make(&c, &in->measurement, measurement_geometry_find("dense"));
+    in->reciprocity = c.reciprocal_pairs ? c.reciprocity[0] : NAN;
+    if (c.coverage_problem)
+        warn("%s: %s", path, c.coverage_problem);
+    if (c.quantity == CHECK_TIMES_COSINE || c.quantity == CHECK_OVER_COSINE)
+        warn("%s: the values seem to be BRDF %s cos(theta_out); gtlut check --repair undoes that", path,
+             c.quantity == CHECK_TIMES_COSINE ? "times" : "divided by");
+    check_free(&c);
+}
+
 static void input_open(struct build_input *in, const char *path)
 {
     memset(in, 0, sizeof *in);
@@ -147,6 +163,7 @@ static void input_open(struct build_input *in, const char *path)
             die(EXIT_BAD_INPUT, "%s: is %s; gtlut import it first", path, format);
         in->is_measurement = true;
         measurement_load(&in->measurement, path, data, bytes);
+        look_at_measurement(in, path);
         measurement_grid_make(&grid, &in->measurement, path);
         source_from_grid(&in->source, &grid, in->measurement.source);
     }

@@ -27,6 +27,7 @@ struct build_input {
     struct brdf_source source;
     bool is_measurement;
     struct measurement measurement;
+    double reciprocity; /* of a measurement, relative error between its samples; NaN when none can be compared */
 };
 
 /* What has been built, for the report. */
@@ -43,8 +44,12 @@ struct build_result {
 void build_specular_frame(const struct build_input *in, const struct build_options *o);
 void build_half_vector(const struct build_input *in, const struct build_options *o);
 
+/* Before the file is written: dies with EXIT_BAD_INPUT when the texels cannot hold the values, of which `clipped` were too large and
+ * `largest` is the largest there is in a texel, in 1/sr; warns when they hold them coarsely. */
+void build_judge(const struct build_result *r, size_t clipped, double largest, const char *path);
+
 /* On stderr, and as JSON on stdout when asked to. Warns of albedos above 1. */
-void build_report(const struct build_result *r, const struct brdf_source *table, const struct brdf_source *source,
+void build_report(const struct build_result *r, const struct brdf_source *table, const struct build_input *in,
                   bool json);
 
 /* Monotonic, for printing only. */

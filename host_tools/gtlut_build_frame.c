@@ -9,7 +9,7 @@
 #include "host_rgb9e5.h"
 
 /* Encodes and says what the encoding does not survive. */
-static uint32_t *encode(const struct specular_frame *t)
+static uint32_t *encode(size_t *out_clipped, double *out_largest, const struct specular_frame *t)
 {
     size_t count = (size_t)t->width * t->height * t->depth, clipped = 0;
     uint32_t *texels = xmalloc(count * sizeof *texels);
@@ -23,6 +23,8 @@ static uint32_t *encode(const struct specular_frame *t)
     }
     if (clipped)
         warn("%zu texels above %g 1/sr clipped, the largest %g; RGB9_E5 holds no more", clipped, RGB9E5_MAX, largest);
+    *out_clipped = clipped;
+    *out_largest = fmin(largest, RGB9E5_MAX);
     return texels;
 }
 
@@ -65,7 +67,9 @@ void build_specular_frame(const struct build_input *in, const struct build_optio
     char *extrapolation = extrapolation_text(&grid, &o->frame);
     specular_frame_build(&table, &grid, &o->frame, o->input);
     measurement_grid_free(&grid);
-    uint32_t *texels = encode(&table);
+    size_t clipped;
+    double largest;
+    uint32_t *texels = encode(&clipped, &largest, &table);
     struct build_result r = {.kind = LUT_SPECULAR_FRAME,
                              .nodes = {table.width, table.height, table.depth},
                              .table_bytes = sizeof *texels * table.width * table.height * table.depth,
@@ -75,9 +79,10 @@ void build_specular_frame(const struct build_input *in, const struct build_optio
     struct brdf_source source;
     specular_frame_source(&source, &encoded, "table");
     metrics_compare(&r.metrics, &source, &in->source);
+    build_judge(&r, clipped, largest, o->input);
     uint8_t *file = compose(&r.file_bytes, &table, texels, in->measurement.source, extrapolation, o->swap);
     write_file(o->output, file, r.file_bytes);
-    build_report(&r, &source, &in->source, o->json);
+    build_report(&r, &source, in, o->json);
     free(file);
     free(extrapolation);
     free(texels);

@@ -48,6 +48,23 @@ static void fit_within(struct half_vector *table, double *seconds, const struct 
             smallest);
 }
 
+/* Says what the encoding does not survive. */
+static void judge(const struct build_result *r, const struct half_vector *t, const char *path)
+{
+    size_t clipped = 0, count = (size_t)t->h * t->d * t->t;
+    double largest = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t w = t->texels[i], a = w & 511, b = w >> 9 & 511, c = w >> 18 & 511;
+        uint32_t most = a > b ? a : b, exponent = w >> 27;
+        most = most > c ? most : c;
+        clipped += t->scale == HALF_VECTOR_MAX_SCALE && exponent == 31 && most == 511;
+        largest = fmax(largest, ldexp(most, (int)exponent - 24 + t->scale));
+    }
+    if (clipped)
+        warn("%zu texels clipped at %g, times cosines in 1/sr; a table holds no more", clipped, largest);
+    build_judge(r, clipped, largest, path);
+}
+
 static char *error_text(const struct metrics *m)
 {
     return xasprintf("de=%.3g,de_p99=%.3g,psnr=%.3g,e_0_60=%.3g,e_60_75=%.3g,e_75_87=%.3g", m->de_mean, m->de_p99,
@@ -69,6 +86,7 @@ void build_half_vector(const struct build_input *in, const struct build_options 
     }
     half_vector_source(&source, &table, "table");
     metrics_compare(&r.metrics, &source, &truth);
+    judge(&r, &table, o->input);
     r.nodes[0] = table.h;
     r.nodes[1] = table.d;
     r.nodes[2] = table.t;
@@ -87,7 +105,7 @@ void build_half_vector(const struct build_input *in, const struct build_options 
         r.packed_bytes = bytes;
     }
     write_file(o->output, file, r.file_bytes);
-    build_report(&r, &source, &in->source, o->json);
+    build_report(&r, &source, in, o->json);
     free(file);
     free(error);
     half_vector_free(&table);

@@ -11,7 +11,8 @@
 static const double albedo_limit = 1 + 1.0 / 512;
 
 struct comparison {
-    double reciprocity_source, reciprocity_table;
+    double reciprocity_source, reciprocity_table; /* NaN: unknown */
+    bool made_reciprocal;                         /* the source, before the table was compared with it */
     double source[TABLE_ALBEDO_ANGLES][3], table[TABLE_ALBEDO_ANGLES][3]; /* albedo */
 };
 
@@ -26,11 +27,15 @@ static void print_text(const struct build_result *r, const struct comparison *c,
         fprintf(stderr, ", %zu of them the re-packed copy", r->packed_bytes);
     fprintf(stderr, "; built in %.2f s\n", r->seconds);
     fprintf(stderr, "mean dE %.3g, 99th percentile %.3g, PSNR %.1f dB, against the source%s\n", m->de_mean, m->de_p99,
-            m->psnr, half && c->reciprocity_source > 0 ? " made reciprocal" : "");
+            m->psnr, c->made_reciprocal ? " made reciprocal" : "");
     fputs("relative error", stderr);
     for (int i = 0; i < METRICS_BANDS; i++)
         fprintf(stderr, "%s theta_in %g..%g: %.3g", i ? "," : "", metrics_band[i][0], metrics_band[i][1], m->band[i]);
-    fprintf(stderr, "\nreciprocity error: source %.3g, table %.3g\n", c->reciprocity_source, c->reciprocity_table);
+    if (isnan(c->reciprocity_source))
+        fputs("\nreciprocity error: source unknown, it has no pair to compare", stderr);
+    else
+        fprintf(stderr, "\nreciprocity error: source %.3g", c->reciprocity_source);
+    fprintf(stderr, ", table %.3g\n", c->reciprocity_table);
     for (int i = 0; i < TABLE_ALBEDO_ANGLES; i++) {
         const double *t = c->table[i], *s = c->source[i];
         fprintf(stderr, "albedo at theta_in %g: %.4f %.4f %.4f, of the source %.4f %.4f %.4f\n", table_albedo_angles[i],
@@ -80,6 +85,20 @@ static void print_json(const struct build_result *r, const struct comparison *c,
     json_close('}');
 }
 
+void build_judge(const struct build_result *r, size_t clipped, double largest, const char *path)
+{
+    /* 64 steps of 2^-24, the least that a texel holds */
+    bool coarse = largest < 0x1p-18;
+    if ((clipped || coarse) && !(r->metrics.band[0] < 0.9))
+        die(EXIT_BAD_INPUT,
+            "%s: its values do not fit into texels, which hold 6e-8 to %s 1/sr (%zu clipped, the largest stored %g); "
+            "is "
+            "the unit 1/sr?",
+            path, r->kind == LUT_HALF_VECTOR ? "4e9" : "65408", clipped, largest);
+    if (coarse && largest > 0)
+        warn("the largest texel is %g, steps are 6e-8: values are rounded coarsely; is the unit 1/sr?", largest);
+}
+
 /* Rounding in double is none. */
 static double reciprocity_error(const struct brdf_source *f)
 {
@@ -87,10 +106,14 @@ static double reciprocity_error(const struct brdf_source *f)
     return error < 1e-9 ? 0 : error;
 }
 
-void build_report(const struct build_result *r, const struct brdf_source *table, const struct brdf_source *source,
+void build_report(const struct build_result *r, const struct brdf_source *table, const struct build_input *in,
                   bool json)
 {
-    struct comparison c = {reciprocity_error(source), reciprocity_error(table), {{0}}, {{0}}};
+    const struct brdf_source *source = &in->source;
+    /* The BRDF that a measurement is read as is reciprocal already: its samples are what tells. */
+    struct comparison c = {.reciprocity_source = in->is_measurement ? in->reciprocity : reciprocity_error(source),
+                           .reciprocity_table = reciprocity_error(table)};
+    c.made_reciprocal = c.reciprocity_source >= 0.001 && (r->kind == LUT_HALF_VECTOR || in->is_measurement);
     for (int i = 0; i < TABLE_ALBEDO_ANGLES; i++) {
         metrics_albedo(c.source[i], source, table_albedo_angles[i]);
         metrics_albedo(c.table[i], table, table_albedo_angles[i]);

@@ -18,6 +18,7 @@ enum {
     HALF_VECTOR_MAX_H = 128,
     HALF_VECTOR_MAX_D = 128,
     HALF_VECTOR_MAX_T = 32,
+    HALF_VECTOR_MAX_SCALE = 16,
     HALF_VECTOR_MAX_TEXELS = 65536,
     HALF_VECTOR_MIN_TEXELS = 64 /* smallest budget when dimensions are chosen */
 };
@@ -39,8 +40,8 @@ struct half_vector_report {
     double de;      /* the fit's own estimate of the mean colour difference, over lights at every angle to the view */
 };
 
-/* Fits a table to the symmetric part of the source. Deterministic, single thread. Cannot fail: values beyond what the texels
- * hold are what `scale` is for. */
+/* Fits a table to the symmetric part of the source. Deterministic, single thread. Values beyond what the texels hold
+ * are what `scale` is for; beyond that they are clipped, or lost where they are too small or no floats: compare the table. */
 void half_vector_build(struct half_vector *out, struct half_vector_report *report, const struct brdf_source *source,
                        const struct half_vector_options *options);
 void half_vector_free(struct half_vector *t);

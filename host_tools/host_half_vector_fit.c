@@ -219,8 +219,8 @@ static void set_scale(struct equations *e)
     int exponent;
     frexpf(largest, &exponent);                      /* largest < 2^exponent */
     e->t->scale = exponent > 15 ? exponent - 15 : 0; /* half of the largest texel: room for the rounding */
-    if (e->t->scale > 16)
-        e->t->scale = 16;
+    if (e->t->scale > HALF_VECTOR_MAX_SCALE)
+        e->t->scale = HALF_VECTOR_MAX_SCALE;
 }
 
 double half_vector_fit(struct half_vector *t, double *row_error, const struct fit_samples *s, int rounds)

@@ -112,6 +112,36 @@ reports() {
 }
 check "negative, clipped and energy-creating values are reported and go on" reports
 
+# scaled FACTOR: white.csv with values times that
+scaled() { awk -F, -v OFS=, -v f="$1" '/^[0-9]/ { $4 *= f; $5 *= f; $6 *= f } { print }' white.csv >scaled.csv; }
+out_of_range() {
+    local kind
+    for kind in half_vector specular_frame; do
+        for factor in 1e30 1e12 1e-8; do
+            scaled $factor
+            echo keep >range.ktx2
+            "$G" build scaled.csv --kind $kind -o range.ktx2 2>err
+            [ $? = 4 ] && grep -q 'values do not fit into texels.*is the unit 1/sr' err || { echo "$kind, times $factor"; cat err; return 1; }
+            grep -qx keep range.ktx2 || return 1
+        done
+        scaled 3e-6
+        says 'values are rounded coarsely' "$G" build scaled.csv --kind $kind -o range.ktx2 || return 1
+    done
+    scaled 2e10
+    says 'texels clipped at 4.28658e.09' "$G" build scaled.csv --kind half_vector --size 1K -o range.ktx2
+}
+check "values that no texel holds are refused, those that texels hold badly reported" out_of_range
+
+doubtful() {
+    awk -F, -v OFS=, '/^[0-9]/ { if ($3 % 180) next } { print }' white.csv >plane.csv
+    says 'phi_out lie up to 180 degrees apart' "$G" build plane.csv --size 19x10 -o doubt.ktx2 || return 1
+    awk -F, -v OFS=, '/^[0-9]/ { c = cos($2 * 0.01745329252); $4 *= c; $5 *= c; $6 *= c } { print }' white.csv >times.csv
+    says 'seem to be BRDF times cos.theta_out.; gtlut check --repair' "$G" build times.csv --size 19x10 -o doubt.ktx2 || return 1
+    holds "$(sed -nE 's/^reciprocity error: source ([0-9.e-]+),.*/\1/p' says_err) > 0.2" && grep -q 'against the source made reciprocal' says_err || return 1
+    built white.csv --size 19x10 -o doubt.ktx2 && holds "$(figure "reciprocity error: source") < 0.001" && ! grep "made reciprocal" built_err
+}
+check "build says that a measurement lacks azimuths, holds a cosine, is not reciprocal by its own samples" doubtful
+
 imports_rgl() {
     local f=$DATA/brdf/$1_rgb.bsdf
     quiet "$G" import "$f" -o r.gtm && built r.gtm -o r.ktx2 && quiet "$G" info r.ktx2 >out || return 1
