@@ -6,13 +6,17 @@
 #include "gtsim_bus.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <glib-unix.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <umockdev.h>
+#include <unistd.h>
 
 #include "common.h"
 #include "gtsim_usbfs.h"
@@ -158,13 +162,22 @@ static gboolean on_interrupt(gpointer bus)
     return ((struct bus *)bus)->child ? G_SOURCE_CONTINUE : bus_end(bus, 128 + SIGINT);
 }
 
+static gboolean pass_on(struct bus *b, int signal_number)
+{
+    if (!b->child)
+        return bus_end(b, 128 + signal_number);
+    kill(b->child, signal_number);
+    return G_SOURCE_CONTINUE;
+}
+
 static gboolean on_terminate(gpointer bus)
 {
-    struct bus *b = bus;
-    if (!b->child)
-        return bus_end(b, 128 + SIGTERM);
-    kill(b->child, SIGTERM);
-    return G_SOURCE_CONTINUE;
+    return pass_on(bus, SIGTERM);
+}
+
+static gboolean on_hang_up(gpointer bus)
+{
+    return pass_on(bus, SIGHUP);
 }
 
 /* No program has a request under way. One that died with one is treated as the next to open the device would: what is left is dropped. */
@@ -212,6 +225,52 @@ static void bus_spawn(struct bus *b, char **command)
     g_child_watch_add(b->child, on_child_exit, b);
 }
 
+/* --- the flash file --- */
+
+/* Held from reading the file to writing it: two devices would each forget what the other was sent. Beside the file, which is replaced. */
+static char *lock_file;
+
+static void flash_unlock(void)
+{
+    unlink(lock_file);
+}
+
+static void flash_lock(const char *flash_file)
+{
+    struct stat held, there;
+    lock_file = xasprintf("%s.lock", flash_file);
+    for (;;) {
+        int fd = open(lock_file, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (fd < 0)
+            die(EXIT_FILE, "%s: %s; is its folder there and writable?", lock_file, strerror(errno));
+        if (flock(fd, LOCK_EX | LOCK_NB))
+            die(EXIT_FILE, "%s: in use by another gtsim; end that one or give another file", flash_file);
+        /* Whoever held it may have removed it just before. */
+        if (!fstat(fd, &held) && !stat(lock_file, &there) && held.st_ino == there.st_ino)
+            break;
+        close(fd);
+    }
+    atexit(flash_unlock);
+}
+
+static _Noreturn void refuse_flash(const struct sim_config *board)
+{
+    struct sim_config fresh = *board;
+    struct stat st;
+    uint32_t bytes = 0;
+    fresh.flash_file = NULL;
+    struct sim_device *device = sim_device_create(&fresh);
+    if (device)
+        sim_flash(device->board, &bytes);
+    if (access(board->flash_file, R_OK) || stat(board->flash_file, &st))
+        die(EXIT_FILE, "%s: %s; give a readable file", board->flash_file, strerror(errno));
+    if (!S_ISREG(st.st_mode))
+        die(EXIT_FILE, "%s: not a regular file; give another", board->flash_file);
+    die(EXIT_BAD_INPUT,
+        "%s: %lld bytes where this device's flash has %u: truncated, foreign or of another --bank; give another",
+        board->flash_file, (long long)st.st_size, bytes);
+}
+
 static void port_create(struct bus *b, int i)
 {
     struct port *p = &b->ports[i];
@@ -223,8 +282,7 @@ static void port_create(struct bus *b, int i)
         board.serial = xasprintf("%s-%d", board.serial, i + 1);
     struct sim_device *device = sim_device_create(&board);
     if (!device && board.flash_file)
-        die(EXIT_FILE, "%s: cannot be read, or is the flash of a device with other banks; give another",
-            board.flash_file);
+        refuse_flash(&board);
     if (!device)
         die(EXIT_INTERNAL, "device %d: cannot be created", i + 1);
     usbfs_init(&p->usbfs, device, o->protocol_version);
@@ -256,6 +314,8 @@ struct bus *bus_create(const struct bus_options *o)
 {
     struct bus *b = xcalloc(1, sizeof *b);
     b->options = o;
+    if (o->board.flash_file)
+        flash_lock(o->board.flash_file);
     b->testbed = umockdev_testbed_new();
     living = b;
     atexit(testbed_remove);
@@ -282,6 +342,9 @@ int bus_run(struct bus *b, char **command, const struct bus_host *host)
     b->host = host;
     g_unix_signal_add(SIGINT, on_interrupt, b);
     g_unix_signal_add(SIGTERM, on_terminate, b);
+    struct sigaction hang_up;
+    if (!sigaction(SIGHUP, NULL, &hang_up) && hang_up.sa_handler != SIG_IGN) /* nohup */
+        g_unix_signal_add(SIGHUP, on_hang_up, b);
     if (host)
         g_timeout_add(STEP_MS, on_step, b);
     if (*command)

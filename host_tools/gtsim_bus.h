@@ -21,7 +21,7 @@ struct bus_options {
 struct bus;
 
 /* A bus with its devices, enumerated. In: *o must outlive it. Dies with EXIT_INTERNAL when it cannot be set up, with EXIT_FILE when
- * a flash file does not fit. */
+ * a flash file cannot be read or is another gtsim's, with EXIT_BAD_INPUT when it is not this device's. */
 struct bus *bus_create(const struct bus_options *o);
 
 /* Device 0..o->devices - 1, which the bus keeps. */

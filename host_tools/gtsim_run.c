@@ -9,6 +9,17 @@
 
 enum { KEY_SERIAL = 1, KEY_FLASH, KEY_FULL_SPEED, KEY_LOCK, KEY_UNPLUG, KEY_FREEZE, KEY_DAMAGE, KEY_VERSION, KEY_BANK };
 
+static void check_serial(const char *serial, size_t added)
+{
+    size_t n = strlen(serial);
+    for (const char *c = serial; *c; c++)
+        if (*c < ' ' || *c > '~')
+            n = 0;
+    if (n < 1 || n + added > USB_MAX_SERIAL_CHARS)
+        die(EXIT_USAGE, "--serial: '%s' is not 1 to %zu printable ASCII characters", serial,
+            USB_MAX_SERIAL_CHARS - added);
+}
+
 static error_t parse_option(int key, char *arg, struct argp_state *state)
 {
     struct bus_options *o = state->input;
@@ -50,6 +61,7 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
     case ARGP_KEY_SUCCESS:
         if (o->board.flash_file && o->devices > 1)
             die(EXIT_USAGE, "--flash is for one device, --devices is %d", o->devices);
+        check_serial(o->board.serial, o->devices > 1 ? strlen("-2") : 0);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -58,7 +70,8 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 
 static const struct argp_option options[] = {
     {"devices", 'd', "N", 0, "0 to 2 devices (1), on ports 1-1 and 1-2", 0},
-    {"serial", KEY_SERIAL, "TEXT", 0, "serial number (GT-SIM-0001); a second device adds -2", 0},
+    {"serial", KEY_SERIAL, "TEXT", 0,
+     "serial number, 1 to 31 printable ASCII characters (GT-SIM-0001); a second device adds -2", 0},
     {"flash", KEY_FLASH, "FILE", 0, "keep the flash in this file, from run to run", 0},
     {"full-speed", KEY_FULL_SPEED, NULL, 0, "packets of 64 bytes instead of 512", 0},
     {"bank", KEY_BANK, "BYTES", 0, "bytes of flash for a table (1179648)", 0},

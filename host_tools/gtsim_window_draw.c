@@ -28,9 +28,9 @@ void screen_open(struct screen *w, int width, int height, int zoom)
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     if (SDL_Init(SDL_INIT_VIDEO))
-        sdl_die("no screen");
+        die(EXIT_NO_DEVICE, "no screen: %s; set DISPLAY or WAYLAND_DISPLAY, or use gtsim render", SDL_GetError());
     if (!getenv("SDL_VIDEODRIVER") && !strcmp(SDL_GetCurrentVideoDriver(), "offscreen")) /* SDL's last resort */
-        die(EXIT_INTERNAL, "no screen; set DISPLAY or WAYLAND_DISPLAY, or use gtsim render");
+        die(EXIT_NO_DEVICE, "no screen; set DISPLAY or WAYLAND_DISPLAY, or use gtsim render");
     w->zoom = zoom ? zoom : zoom_of_screen(width, height);
     w->window = SDL_CreateWindow("gtsim", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width * w->zoom,
                                  height * w->zoom, SDL_WINDOW_RESIZABLE);

@@ -38,6 +38,12 @@ usage run_without_program 'gtsim: run: no program to run; .*' run
 usage run_too_many_devices "gtsim: run: --devices: '3' is not .*" run --devices 3 -- true
 usage run_flash_of_two_devices 'gtsim: run: --flash is for one device, --devices is 2' \
     run --devices 2 --flash "$work/f" -- true
+usage run_empty_serial "gtsim: run: --serial: '' is not 1 to 31 printable ASCII characters" run --serial '' -- true
+usage run_long_serial "gtsim: run: --serial: .* is not 1 to 31 .*" run --serial "$(printf 'x%.0s' {1..32})" -- true
+usage run_foreign_serial "gtsim: run: --serial: .* is not 1 to 31 .*" run --serial 'é' -- true
+usage run_long_serial_of_two "gtsim: run: --serial: .* is not 1 to 29 .*" run --devices 2 --serial "$(printf 'x%.0s' {1..30})" -- true
+expect run_longest_serial 0 '.* x{31}' '' gtsim run --serial "$(printf 'x%.0s' {1..31})" -- gtusb list
+usage run_octal_is_decimal "gtsim: run: --devices: '010' is not .*" run --devices 010 -- true
 usage run_unplug_negative "gtsim: run: --unplug-after: '-1' is not .*" run --unplug-after -1 -- true
 usage run_bank_out_of_range "gtsim: run: --bank: '1' is not .*" run --bank 1 -- true
 
@@ -103,8 +109,32 @@ flash_keeps() {
         gtsim run --flash "$work/flash" -- gtusb info | grep -q '^scene *6 objects'
 }
 check flash_file_keeps_the_scene flash_keeps
+hang_up() { # a terminal that is closed
+    local pid i
+    gtsim run --flash "$work/hung" -- sh -c "gtusb push '$scene' && echo pushed && exec sleep 20" >"$work/hang" &
+    pid=$!
+    for i in $(seq 200); do grep -q pushed "$work/hang" && break; sleep 0.05; done
+    kill -HUP $pid
+    wait $pid
+    [ $? = 129 ] && gtsim run --flash "$work/hung" -- gtusb info | grep -q '^scene *6 objects'
+}
+check flash_file_is_written_on_a_hang_up hang_up
+one_at_a_time() {
+    local pid i
+    gtsim run --flash "$work/flash" -- sh -c 'echo up; exec sleep 20' >"$work/first" &
+    pid=$!
+    for i in $(seq 100); do grep -q up "$work/first" && break; sleep 0.05; done
+    gtsim run --flash "$work/flash" -- true 2>"$work/err"
+    i=$?
+    kill $pid
+    wait $pid
+    [ $i = 3 ] && grep -q 'in use by another gtsim' "$work/err" && gtsim run --flash "$work/flash" -- true && [ ! -e "$work/flash.lock" ]
+}
+check flash_file_is_one_devices one_at_a_time
+mkdir "$work/folder"
+expect flash_file_that_is_a_folder 3 '' "gtsim: run: $work/folder: .*; give another" gtsim run --flash "$work/folder" -- true
 head -c 1000 /dev/zero >"$work/wrong"
-expect flash_file_of_another_size 3 '' "gtsim: run: $work/wrong: .*; give another" \
+expect flash_file_of_another_size 4 '' "gtsim: run: $work/wrong: 1000 bytes where this device's flash has [0-9]+: .*; give another" \
     gtsim run --flash "$work/wrong" -- true
 check flash_file_of_another_size_is_untouched bash -c '[ "$(stat -c %s "$work/wrong")" = 1000 ]'
 replug() { # unplugged for a moment: gone from the bus, then back

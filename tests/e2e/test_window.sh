@@ -32,7 +32,7 @@ bad truncated_scene 4 "gtsim: window: $work/short.blob: not a valid scene: .*" "
 bad scene_as_table 4 "gtsim: window: $work/short.blob: not a valid table: .*" "$scene" --table 0="$work/short.blob"
 bad missing_folder_of_pictures 3 "gtsim: window: $work/none: No such file.*; .*" --screenshot-dir "$work/none"
 bad file_as_folder_of_frames 3 "gtsim: window: $work/short.blob: not a folder; .*" --record "$work/short.blob"
-bad no_screen 1 '(error: XDG_RUNTIME_DIR .*)?gtsim: window: no screen; set DISPLAY.*' "$scene"
+bad no_screen 5 '(error: XDG_RUNTIME_DIR .*)?gtsim: window: no screen; set DISPLAY.*' "$scene"
 
 # --- a screen ---
 Xvfb -displayfd 3 -fbdir "$work" -screen 0 1024x768x24 -nolisten tcp 3>"$work/display" 2>/dev/null &
