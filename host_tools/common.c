@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,6 +14,8 @@
 #include <unistd.h>
 
 static const char *program_name = "goniotile", *subcommand_name = "";
+static bool dying;                    /* with a message */
+static jmp_buf *survivor;             /* where a death by a file leads, or NULL */
 static char *volatile pending_output; /* temporary file to remove when the program dies */
 
 /* The files that were read, which no output may replace. */
@@ -22,8 +25,21 @@ static struct {
 } * inputs;
 static size_t input_count;
 
+/* What was printed must have arrived, whoever printed it and ended the program. */
+static void check_stdout(void)
+{
+    if (!dying && (fflush(stdout) || ferror(stdout))) {
+        fprintf(stderr, "%s: standard output: cannot be written (%s)\n", program_name, strerror(errno));
+        _exit(EXIT_FILE);
+    }
+}
+
 void common_set_name(const char *program, const char *subcommand)
 {
+    static bool known;
+    if (!known)
+        atexit(check_stdout);
+    known = true;
     program_name = program;
     subcommand_name = subcommand ? subcommand : "";
 }
@@ -50,9 +66,23 @@ void die(enum exit_code code, const char *format, ...)
     va_start(args, format);
     message(format, args);
     va_end(args);
+    if (survivor && (code == EXIT_FILE || code == EXIT_BAD_INPUT))
+        longjmp(*survivor, 1);
     if (pending_output)
         unlink(pending_output);
+    dying = code != EXIT_OK;
     exit((int)code);
+}
+
+bool survives(void (*work)(void *ctx), void *ctx)
+{
+    jmp_buf here;
+    survivor = &here;
+    bool died = setjmp(here) != 0;
+    if (!died)
+        work(ctx);
+    survivor = NULL;
+    return !died;
 }
 
 void *xrealloc(void *p, size_t bytes)

@@ -24,12 +24,17 @@ enum exit_code {
     EXIT_INTERRUPTED = 130
 };
 
-/* Program and subcommand for messages: set once by main ("gtlut", "build"). */
+/* Program and subcommand for messages: set by main ("gtlut", "build"). At its end the program fails with EXIT_FILE when stdout could
+ * not be written. */
 void common_set_name(const char *program, const char *subcommand);
 
 /* Prints "program: subcommand: <message>\n" to stderr and exits with `code`. The message says what, where (value and limit)
  * and, after a semicolon, what to do. Temporary files of open atomic outputs are removed. */
 _Noreturn void die(enum exit_code code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Does the work and returns true; false when it died of a file (EXIT_FILE, EXIT_BAD_INPUT), which has said why. What the work held then
+ * is not freed. On one thread, not within another. */
+bool survives(void (*work)(void *ctx), void *ctx);
 
 /* Same form, goes on. */
 void warn(const char *format, ...) __attribute__((format(printf, 1, 2)));

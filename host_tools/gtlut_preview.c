@@ -18,7 +18,9 @@ static const char help[] =
     "\n"
     "Pictures of a table or of a measurement of any format (gtlut formats). Of a folder, or of a table of fits, a "
     "contact\n"
-    "sheet of all its materials. Needs gnuplot. What was not measured is hatched, or dotted in curves.\n"
+    "sheet of all its materials. Needs gnuplot. What a measurement or a specular-frame table lacks is hatched, or "
+    "dotted\n"
+    "in curves; a half-vector table does not hold what its measurement lacked.\n"
     "\n"
     "  lobe           the reflection of light from one direction, as a surface\n"
     "  plots          the plane of incidence, polar and Cartesian, for six directions of the light\n"
@@ -91,6 +93,13 @@ static char *file_of(const struct request *r, int picture)
             die(EXIT_USAGE, "-o: '%s' is one file, --what asks for several pictures; give a folder", r->output);
         return xstrdup(r->output);
     }
+    /* A folder of such a name must be there: it is rather a file of another kind that is meant. */
+    const char *slash = strrchr(r->output, '/'), *dot = strrchr(slash ? slash + 1 : r->output, '.');
+    struct stat st;
+    if (dot && strlen(dot) > 1 && strcmp(dot, "..") && !(!stat(r->output, &st) && S_ISDIR(st.st_mode)))
+        die(EXIT_USAGE,
+            "-o: '%s' is neither a folder nor .svg or .png (of a sphere alone also .exr); give one of these",
+            r->output);
     if (mkdir(r->output, 0777) && errno != EEXIST)
         die(EXIT_FILE, "%s: %s; give a folder that can be written", r->output, strerror(errno));
     return xasprintf("%s/%s", r->output, pictures[picture].file);
@@ -140,14 +149,31 @@ struct materials {
     const struct import_options *import;
 };
 
-static void open_material(struct preview *out, const void *ctx, size_t i)
+struct opening {
+    const struct materials *materials;
+    const char *path;
+    struct preview_input in;
+};
+
+static void open_input(void *ctx)
+{
+    struct opening *o = ctx;
+    preview_input_open(&o->in, o->path, o->materials->import);
+}
+
+/* One bad file among many is left out. */
+static bool open_material(struct preview *out, const void *ctx, size_t i)
 {
     const struct materials *m = ctx;
-    struct preview_input in;
-    preview_input_open(&in, m->paths[i], m->import);
-    if (in.is_table)
-        table_close(&in.table);
-    *out = in.preview;
+    struct opening o = {.materials = m, .path = m->paths[i]};
+    if (!survives(open_input, &o)) {
+        warn("%s: left out of the sheet", o.path);
+        return false;
+    }
+    if (o.in.is_table)
+        table_close(&o.in.table);
+    *out = o.in.preview;
+    return true;
 }
 
 static void draw_many(struct request *r, char **paths, size_t count)

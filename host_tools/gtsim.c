@@ -68,7 +68,7 @@ static void help(FILE *to)
           "  window   look at the device's picture, move in it, and run a program that sees the device\n"
           "  render   render a scene into a picture, without USB\n"
           "\n'gtsim COMMAND --help' explains one. Exit codes: 0 ok, 1 internal, 2 usage, 3 file, 4 bad input file,\n"
-          "9 refused by the device; 'run' and 'window' end with the program's own.\n"
+          "5 no screen, 9 refused by the device; 'run' and 'window' end with the program's own.\n"
           "\nExamples:\n"
           "  $ gtsim render six_models.blob --model lafortune_phong -o quick.png\n"
           "  $ gtsim run -- gtusb list\n",
@@ -101,8 +101,5 @@ int main(int argc, char **argv)
         die(EXIT_USAGE, "no command '%s'; see 'gtsim --help'", argv[1]);
     common_set_name("gtsim", commands[c].name);
     argv[1] = xasprintf("gtsim %s", commands[c].name);
-    int code = commands[c].run(argc - 1, argv + 1);
-    if (fflush(stdout) || ferror(stdout))
-        die(EXIT_FILE, "standard output: cannot be written");
-    return code;
+    return commands[c].run(argc - 1, argv + 1);
 }

@@ -47,8 +47,9 @@ struct preview_view {
  * from the material as it is, in floats, 0 around it. */
 void preview_sphere(const struct preview *p, const struct preview_view *view, const char *path);
 
-/* A sphere of each material with its title below. `open` fills in material i and is called for each of `count`, one after the other. */
-void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i), const void *ctx, size_t count,
+/* A sphere of each material with its title below. `open` fills in material i and is called for each of `count`, one after the other;
+ * false leaves it out. Dies with EXIT_BAD_INPUT when none is left. */
+void preview_sheet(bool (*open)(struct preview *out, const void *ctx, size_t i), const void *ctx, size_t count,
                    const struct preview_view *view, const char *path);
 
 /* A room with a bright sky, two lamps and a floor: light where there is no map at hand. */

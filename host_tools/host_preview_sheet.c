@@ -7,16 +7,18 @@
 
 #include "common.h"
 
-enum { GAP = 14, LABEL = 22, HEAD = 12, FOOT = 40, MIN_CELL = 134, MAX_SIDE = 16000 };
+enum { GAP = 14, LABEL = 22, HEAD = 12, FOOT = 40, MIN_CELL = 134, MIN_WIDTH = 480, MAX_SIDE = 16000 };
 
-void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i), const void *ctx, size_t count,
+void preview_sheet(bool (*open)(struct preview *out, const void *ctx, size_t i), const void *ctx, size_t count,
                    const struct preview_view *view, const char *path)
 {
     int cell = (int)fmax(view->size + GAP, MIN_CELL), tall = view->size + GAP + LABEL, n = (int)count;
     int columns = (int)ceil(sqrt(1.4 * n * tall / cell)), rows;
     columns = columns > n ? n : columns;
     rows = (n + columns - 1) / columns;
-    int width = columns * cell, height = rows * tall;
+    /* The legend below needs a width, too. */
+    int width = (int)fmax(columns * cell, MIN_WIDTH), left = (width - columns * cell) / 2, height = rows * tall;
+    int placed = 0;
     if (width > MAX_SIDE || height > MAX_SIDE)
         die(EXIT_USAGE, "a sheet of %d x %d pixels is larger than %d; give a smaller --size or fewer materials", width,
             height, MAX_SIDE);
@@ -27,15 +29,19 @@ void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i),
     for (int i = 0; i < n; i++) {
         struct preview p;
         struct preview_image image;
-        open(&p, ctx, (size_t)i);
+        progress("preview", (uint64_t)i + 1, count);
+        if (!open(&p, ctx, (size_t)i))
+            continue;
         preview_render(&image, &p, view, false);
-        marks |= preview_place(rgb, width, i % columns * cell + (cell - image.width) / 2,
-                               i / columns * tall + view->size + GAP - image.height, &image, view);
-        titles[i] = xstrdup(p.title);
+        marks |= preview_place(rgb, width, left + placed % columns * cell + (cell - image.width) / 2,
+                               placed / columns * tall + view->size + GAP - image.height, &image, view);
+        titles[placed++] = xstrdup(p.title);
         preview_image_free(&image);
         preview_free(&p);
-        progress("preview", (uint64_t)i + 1, count);
     }
+    if (!placed)
+        die(EXIT_BAD_INPUT, "none of %d materials can be read; see gtlut formats", n);
+    height = (placed + columns - 1) / columns * tall;
     struct gnuplot g;
     gnuplot_begin(&g, path, width, height + HEAD + FOOT);
     fprintf(g.to,
@@ -43,10 +49,10 @@ void preview_sheet(void (*open)(struct preview *out, const void *ctx, size_t i),
             "unset border\nunset tics\nunset key\nset xrange [0:%d]\nset yrange [0:%d]\n",
             (double)FOOT / (height + HEAD + FOOT), 1 - (double)HEAD / (height + HEAD + FOOT), width, height);
     preview_legend(&g, marks);
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < placed; i++) {
         fprintf(g.to, "set label %d ", 10 + i);
         gnuplot_text(&g, titles[i]);
-        fprintf(g.to, " at %d,%d center noenhanced font small front\n", i % columns * cell + cell / 2,
+        fprintf(g.to, " at %d,%d center noenhanced font small front\n", left + i % columns * cell + cell / 2,
                 height - (i / columns + 1) * tall + LABEL / 2 - 2);
         free(titles[i]);
     }

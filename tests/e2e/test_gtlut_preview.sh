@@ -107,6 +107,19 @@ sheet() {
 }
 check "a folder becomes a contact sheet of the materials in it, each with its name" sheet
 
+partial_sheet() {
+    mkdir some && cp diffuse.csv some && head -c 900 paper.ktx2 >some/short.ktx2 && echo nothing >some/x.csv
+    "$G" preview some --size 12 -o some.svg 2>err && node "$SVG" some.svg check || { cat err; return 1; }
+    [ "$(node "$SVG" some.svg text | grep -E 'csv|ktx2')" = diffuse.csv ] || { node "$SVG" some.svg text; return 1; }
+    grep -q 'some/short.ktx2: left out' err && grep -q 'some/x.csv: left out' err || { cat err; return 1; }
+    # broad enough for the legend of what is extrapolated
+    [ "$(node "$SVG" some.svg images | cut -d' ' -f2)" -ge 480 ] || return 1
+    rm some/diffuse.csv
+    "$G" preview some --size 12 -o none.svg 2>err
+    [ $? = 4 ] && grep -q 'none of 2 materials can be read' err && [ ! -e none.svg ]
+}
+check "a bad file in a folder is left out of the sheet with a warning" partial_sheet
+
 fits() {
     "$G" preview "$DATA/brdf/merl_sgd.csv" --size 8 -o fits.svg && node "$SVG" fits.svg check || return 1
     node "$SVG" fits.svg text >names
@@ -144,6 +157,9 @@ refusals() {
         refused 2 "'lobes' is none of" preview half.ktx2 -o out.png --what lobes &&
         refused 2 'is one file' preview half.ktx2 -o out.png --what lobe,plots &&
         refused 2 'is one file' preview half.ktx2 -o out.png &&
+        refused 2 "'x.jpg' is neither a folder nor .svg" preview half.ktx2 -o x.jpg --what sphere &&
+        refused 2 "'x.exr' is neither a folder nor .svg" preview half.ktx2 -o x.exr --what lobe &&
+        refused 2 "'x.jpg' is neither a folder nor .svg" preview materials -o x.jpg &&
         refused 2 'of a folder or a table of fits' preview half.ktx2 -o out.png --what sheet &&
         refused 2 'only the sheet' preview materials -o out.png --what lobe &&
         refused 2 '--theta-in.* 89' preview half.ktx2 -o out.png --what lobe --theta-in 90 &&
