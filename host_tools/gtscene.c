@@ -80,7 +80,7 @@ static int run_build(int argc, char **argv)
                                             {"envmap-rotate", required_argument, NULL, 'R'},
                                             {"help", no_argument, NULL, 'h'},
                                             {NULL, 0, NULL, 0}};
-    const char *output = NULL, *data = NULL;
+    const char *output = NULL, *data = NULL, *envmap_option = NULL;
     struct envmap_options envmap = {.lights = 16, .scale = 1};
     double lod_error = -1; /* as the scene file says */
     struct pack_options pack = {.with_levels = true, .normal_error = 0.4};
@@ -102,11 +102,12 @@ static int run_build(int argc, char **argv)
         else if (c == 'E')
             envmap.path = optarg;
         else if (c == 'K')
-            envmap.lights = (unsigned)parse_long("--envmap-lights", optarg, ENVMAP_MIN_LIGHTS, ENVMAP_MAX_LIGHTS);
+            envmap.lights =
+                (unsigned)parse_long(envmap_option = "--envmap-lights", optarg, ENVMAP_MIN_LIGHTS, ENVMAP_MAX_LIGHTS);
         else if (c == 'S')
-            envmap.scale = parse_double("--envmap-scale", optarg, 1e-6, 1e6);
+            envmap.scale = parse_double(envmap_option = "--envmap-scale", optarg, 1e-6, 1e6);
         else if (c == 'R')
-            envmap.degrees = parse_double("--envmap-rotate", optarg, -360, 360);
+            envmap.degrees = parse_double(envmap_option = "--envmap-rotate", optarg, -360, 360);
         else
             return EXIT_USAGE;
     }
@@ -115,6 +116,8 @@ static int run_build(int argc, char **argv)
         die(EXIT_USAGE, "%d scene files given, 1 wanted; see gtscene build --help", argc - optind);
     if (!output)
         die(EXIT_USAGE, "no output file; give one with -o");
+    if (envmap_option && !envmap.path)
+        die(EXIT_USAGE, "%s: is for an environment map; give --envmap FILE", envmap_option);
     struct scene_desc desc;
     size_t bytes;
     desc_load(&desc, argv[optind], data);

@@ -3,10 +3,12 @@
 #include "common.h"
 #include "host_model.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A growing byte array; each array of the blob starts 4-aligned. */
 struct buffer {
@@ -63,14 +65,22 @@ static void place_object(struct scene_object *out, const struct object_desc *o, 
     out->scale_shift = 1 - exponent;
 }
 
-static void build_mesh(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh_desc *desc,
+static void load_file(struct mesh *out, const struct mesh_desc *desc, unsigned index)
+{
+    if (access(desc->path, R_OK))
+        die(EXIT_FILE, "meshes[%u] '%s': %s: %s; put it beside the scene file or name its folder with --data", index,
+            desc->name, desc->path, strerror(errno));
+    mesh_load(out, desc->path);
+}
+
+static void build_mesh(struct packed_mesh *out, struct meshlet_pool *pool, const struct mesh_desc *desc, unsigned index,
                        const struct pack_options *options)
 {
     struct mesh m;
     if (desc->shape)
         desc->shape->build(&m, desc->parameters);
     else
-        mesh_load(&m, desc->path);
+        load_file(&m, desc, index);
     mesh_pack(out, pool, &m, options, desc->shape ? desc->name : desc->path);
 }
 
@@ -83,7 +93,7 @@ void *blob_build(size_t *bytes, const struct scene_desc *desc, const struct pack
     uint32_t lod_count = 0;
     struct scene_object *objects = xcalloc(desc->object_count, sizeof *objects);
     for (unsigned i = 0; i < desc->mesh_count; i++) {
-        build_mesh(&packed[i], &pool, &desc->meshes[i], options);
+        build_mesh(&packed[i], &pool, &desc->meshes[i], i, options);
         check_size(pool.meshlet_count * sizeof *pool.meshlets + pool.vertex_count * sizeof *pool.vertices +
                    pool.triangle_count * sizeof *pool.triangles);
         meshes[i] = (struct scene_mesh){.lod_first = lod_count, .lod_count = packed[i].level_count};

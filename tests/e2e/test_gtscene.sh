@@ -103,6 +103,24 @@ check "a missing slot of a measured material is refused" bad 's/"slot": 3, //' 4
 check "a value of the wrong type is refused" bad 's/"scale": 1/"scale": "1"/' 4 'objects\[0\]\.scale: not a number'
 check "a vector of two is refused" bad 's/\[0, 0, 5\]/[0, 5]/' 4 'camera\.eye: not three numbers'
 check "an unknown shape is refused" bad 's/"sphere"/"sphinx"/' 4 "meshes\[0\]\.shape: 'sphinx' is no built-in shape"
+nowhere() {
+    scene 's/"shape": "sphere", "segments": 4/"file": "no.obj"/' && grep -q no.obj "$work/s.json" &&
+        refused 3 "meshes\\[0\\] 'm': .*no\\.obj: No such file.*; put it beside .* --data" "$G" build "$work/s.json" -o "$work/x.blob"
+}
+check "a missing mesh file is named, with its entry and what to do" nowhere
+lonely() {
+    scene '' && for option in '--envmap-lights 8' '--envmap-scale 2' '--envmap-rotate 3'; do
+        refused 2 "${option% *}: .*; give --envmap FILE" "$G" build "$work/s.json" -o "$work/x.blob" $option || return 1
+    done
+}
+check "options of an environment map without one are refused" lonely
+prints_nowhere() {
+    for command in --help --version 'build --help' "info $work/good.blob"; do
+        "$G" $command >/dev/full 2>"$work/err"
+        [ $? = 3 ] && [ "$(wc -l <"$work/err")" = 1 ] || { echo "$command"; cat "$work/err"; return 1; }
+    done
+}
+check "what cannot be printed is exit code 3" prints_nowhere
 check "an unknown mesh is refused" bad 's/"mesh": "m"/"mesh": "q"/' 4 "objects\[0\]\.mesh: 'q' is not among the meshes"
 check "an unknown material is refused" bad 's/"material": "a"/"material": "q"/' 4 "objects\[0\]\.material: 'q' is not among"
 check "an unknown model is refused" bad 's/"measured"/"magic"/' 4 "materials\[0\]\.model: 'magic' is no model"
