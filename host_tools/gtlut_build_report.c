@@ -117,13 +117,14 @@ void build_report(const struct build_result *r, const struct brdf_source *table,
     for (int i = 0; i < TABLE_ALBEDO_ANGLES; i++) {
         metrics_albedo(c.source[i], source, table_albedo_angles[i]);
         metrics_albedo(c.table[i], table, table_albedo_angles[i]);
-        const double *a = c.table[i];
+        const double *a = c.table[i], *s = c.source[i];
         if (fmax(a[0], fmax(a[1], a[2])) > albedo_limit)
             warn("theta_in %g: albedo %.3f %.3f %.3f is above 1, the source's is %.3f %.3f %.3f: the table creates "
                  "energy; %s",
                  table_albedo_angles[i], a[0], a[1], a[2], c.source[i][0], c.source[i][1], c.source[i][2],
-                 r->kind == LUT_HALF_VECTOR ? "check the source"
-                                            : "was the lobe sampled too coarsely, or is --p too high?");
+                 r->kind == LUT_HALF_VECTOR || fmax(s[0], fmax(s[1], s[2])) > albedo_limit
+                     ? "check the source"
+                     : "was the lobe sampled too coarsely, or is --p too high?");
     }
     print_text(r, &c, source);
     if (json)

@@ -38,6 +38,8 @@ static char *next_cell(char **rest)
 static void parse_header(struct csv *c, char *line)
 {
     unsigned seen = 0;
+    if (!strncmp(line, "material,rhoD_r,", 16))
+        die(EXIT_BAD_INPUT, "%s: a table of shifted-gamma fits; name one of its materials: FILE.csv:NAME", c->path);
     bool is_foreign = !strchr(line, ',') && strpbrk(line, ";\t");
     for (char *rest = line; rest; c->columns++) {
         char *name = next_cell(&rest);
@@ -157,7 +159,7 @@ void csv_parse(struct measurement *out, const char *path, char *text, size_t byt
     const char *nul = memchr(text, 0, bytes);
     if (nul)
         die(EXIT_BAD_INPUT,
-            "%s: byte %zu is NUL; neither a measurement file nor CSV text: gtlut import reads other formats", path,
+            "%s: byte %zu is NUL; neither CSV text nor of a format that gtlut formats lists; give another file", path,
             (size_t)(nul - text));
     measurement_init(out, path);
     measurement_init(&c.turned, path);

@@ -139,7 +139,7 @@ void measurement_grid_make(struct measurement_grid *out, const struct measuremen
     struct key *keys = keys_sorted(m);
     char *problem = grid_problem(keys, m->count);
     if (problem)
-        die(EXIT_BAD_INPUT, "%s: %s", path, problem);
+        die(EXIT_BAD_INPUT, "%s: %s, or resample: gtlut import --geometry dense", path, problem);
     memset(out, 0, sizeof *out);
     for (size_t from = 0, length; from < m->count; from += length) {
         length = slice_length(keys + from, m->count - from);

@@ -155,7 +155,7 @@ void source_from_grid(struct brdf_source *out, struct measurement_grid *grid, co
     *out = (struct brdf_source){.value = grid_value,
                                 .ctx = g,
                                 .close = grid_close,
-                                .theta_in = g->grid.count > 1 ? theta_in : 90,
+                                .theta_in = theta_in,
                                 .theta_out = theta_out,
                                 .symmetric = true};
     snprintf(out->name, sizeof out->name, "%s", name);

@@ -50,6 +50,15 @@ measures_white() {
 }
 check "measure writes 4 x 76 x 360 directions; matte_white is 0.8/pi in each" measures_white
 
+prints_nowhere() { # standard output is a full disk
+    local command
+    for command in --help --version 'build --help' formats 'check white.csv' 'measure gold -o -' 'info white.csv'; do
+        "$G" $command >/dev/full 2>err
+        [ $? = 3 ] && [ "$(wc -l <err)" = 1 ] || { echo "$command"; cat err; return 1; }
+    done
+}
+check "what cannot be printed is exit code 3, of help as of reports" prints_nowhere
+
 measures_noise() {
     quiet "$G" measure plastic_red --noise 2 --seed 7 -o a.csv && quiet "$G" measure plastic_red --noise 2 --seed 7 -o - >b.csv || return 1
     quiet "$G" measure plastic_red --noise 2 --seed 8 -o c.csv && quiet "$G" measure plastic_red -o d.csv || return 1
@@ -428,6 +437,16 @@ malformed() {
     grep -v '^20,' white.csv >uneven.csv
     refused 4 'theta_in 40 stands where equal steps from 0 to 60 want 30' build uneven.csv -o out.ktx2
 }
+misread() { # what the message must say to help
+    refused 4 'no format.*|nor of a format that gtlut formats lists' import picture -o out.gtm || return 1
+    printf 'material,rhoD_r,rhoD_g\n' >fits.csv
+    refused 4 'fits.csv: a table of shifted-gamma fits; name one .*: FILE.csv:NAME' build fits.csv -o out.ktx2 || return 1
+    refused 4 'want 30; measure at equal steps, or resample: gtlut import --geometry' build uneven.csv -o out.ktx2 || return 1
+    # Nothing is known of light from elsewhere; it is the source that creates energy, whatever --p is.
+    "$G" build one.csv -o one.ktx2 2>&1 | grep -q '^measured up to theta_in 0, theta_out 80: beyond' || return 1
+    says 'theta_in 0: albedo .* above 1.*; check the source$' "$G" build hot.gtm -o hot.ktx2
+}
 check "malformed CSV is refused naming the line, an irregular grid naming the direction" malformed
+check "messages of files that are read as something else, or lack something, say what to do" misread
 
 echo 1..$n
