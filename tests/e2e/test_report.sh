@@ -15,6 +15,12 @@ report() {
 }
 check "the chapters are written without the data folder, their plots are well-formed" report
 
+unbuilt() {
+    B=$work/none tests/report/report.sh 4 2>"$work/err"
+    [ $? = 1 ] && grep -q 'make report builds what chapters call' "$work/err" && [ ! -e "$work/none" ]
+}
+check "without what chapters call nothing is begun" unbuilt
+
 named() {
     local file bad=0
     grep -oE '\]\([^)]*\)|src="[^"]*"' "$R/REPORT.md" | sed -E 's/^\]\(|\)$|src="|"$//g' >"$work/names"

@@ -7,6 +7,9 @@ set -eu
 cd "$(dirname "$0")/../.."
 export B=${B:-build}
 out=$B/report
+for program in "$B/gtlut" "$B/report_pixels" "$B/demo/gold.ktx2"; do
+    [ -e "$program" ] || { echo "report: $program is not there; make report builds what chapters call" >&2; exit 1; }
+done
 mkdir -p "$out"
 for chapter in tests/report/[0-9]*.sh; do
     name=$(basename "${chapter%.sh}")
