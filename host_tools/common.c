@@ -18,11 +18,12 @@ static bool dying;                    /* with a message */
 static jmp_buf *survivor;             /* where a death by a file leads, or NULL */
 static char *volatile pending_output; /* temporary file to remove when the program dies */
 
-/* The files that were read, which no output may replace. */
+/* The files that were read last, which no output may replace. */
+enum { MAX_INPUTS = 1024 };
 static struct {
     dev_t device;
     ino_t inode;
-} * inputs;
+} inputs[MAX_INPUTS];
 static size_t input_count;
 
 /* What was printed must have arrived, whoever printed it and ended the program. */
@@ -127,9 +128,9 @@ static void remember_input(const struct stat *st)
 {
     if (!S_ISREG(st->st_mode))
         return;
-    inputs = xrealloc(inputs, (input_count + 1) * sizeof *inputs);
-    inputs[input_count].device = st->st_dev;
-    inputs[input_count++].inode = st->st_ino;
+    size_t i = input_count++ % MAX_INPUTS;
+    inputs[i].device = st->st_dev;
+    inputs[i].inode = st->st_ino;
 }
 
 void input_remember(const char *path)
@@ -141,7 +142,7 @@ void input_remember(const char *path)
 
 static bool is_input(const struct stat *st)
 {
-    for (size_t i = 0; i < input_count; i++)
+    for (size_t i = 0; i < input_count && i < MAX_INPUTS; i++)
         if (inputs[i].device == st->st_dev && inputs[i].inode == st->st_ino)
             return true;
     return false;

@@ -72,7 +72,7 @@ static const struct argp_option options[] = {
     {"devices", 'd', "N", 0, "0 to 2 devices (1), on ports 1-1 and 1-2", 0},
     {"serial", KEY_SERIAL, "TEXT", 0,
      "serial number, 1 to 31 printable ASCII characters (GT-SIM-0001); a second device adds -2", 0},
-    {"flash", KEY_FLASH, "FILE", 0, "keep the flash in this file, from run to run", 0},
+    {"flash", KEY_FLASH, "FILE", 0, "keep the flash in this file, from run to run; one gtsim at a time", 0},
     {"full-speed", KEY_FULL_SPEED, NULL, 0, "packets of 64 bytes instead of 512", 0},
     {"bank", KEY_BANK, "BYTES", 0, "bytes of flash for a table (1179648)", 0},
     {NULL, 0, NULL, 0, "Trouble, for tests:", 1},
