@@ -55,6 +55,24 @@ static inline int exit_code_of(void (*read)(const struct bytes *), const struct 
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
 
+/* Reading ends with EXIT_BAD_INPUT and the message. */
+static inline void dies_reading(void (*read)(const struct bytes *), const struct bytes *b, const char *message)
+{
+    int code = exit_code_of(read, b);
+    if (code != EXIT_BAD_INPUT || !strstr(child_message, message))
+        fail_msg("exit code %d, want %d and '%s'; said: %s", code, EXIT_BAD_INPUT, message, child_message);
+}
+
+/* A copy with exactly `count` bytes (and csv_parse's NUL), so that the sanitizer sees any access beyond. */
+static inline void *copy_of(const struct bytes *b, bool with_nul)
+{
+    uint8_t *copy = xmalloc(b->count + with_nul);
+    memcpy(copy, b->data, b->count);
+    if (with_nul)
+        copy[b->count] = 0;
+    return copy;
+}
+
 __attribute__((format(printf, 2, 3))) static inline void put_text(struct bytes *b, const char *format, ...)
 {
     va_list args;

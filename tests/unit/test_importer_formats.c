@@ -183,7 +183,8 @@ static void astm_says_what_is_wrong(void **state)
     text_dies(ANGLES "550nm,450nm\n", "in.brdf:1: wavelength 450 after 550");
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1\n", "in.brdf:2: 6 numbers where 7");
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1,x\n", "in.brdf:2: 'x' where a number");
-    text_dies(ANGLES "R,G,B\n0,0,45,0,1,1,1\n", "in.brdf:2: theta 0 in and 2578.31 out");
+    text_dies(ANGLES "R,G,B\n0,0,45,0,1,1,1\n",
+              "in.brdf:2: theta 0 in and 45 out, phi 0 in and 0 out, in radians; theta must be below pi/2");
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1,inf\n", "is not finite");
     text_dies(ANGLES "R,G,B\n", "no samples");
 }
