@@ -30,7 +30,7 @@ static size_t input_count;
 static void check_stdout(void)
 {
     if (!dying && (fflush(stdout) || ferror(stdout))) {
-        fprintf(stderr, "%s: standard output: cannot be written (%s)\n", program_name, strerror(errno));
+        fprintf(stderr, "%s: standard output: cannot be written; is its disk full?\n", program_name);
         _exit(EXIT_FILE);
     }
 }

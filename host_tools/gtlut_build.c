@@ -164,8 +164,8 @@ static void input_open(struct build_input *in, const char *path)
             die(EXIT_BAD_INPUT, "%s: is %s; gtlut import it first", path, format);
         in->is_measurement = true;
         measurement_load(&in->measurement, path, data, bytes);
-        look_at_measurement(in, path);
         measurement_grid_make(&grid, &in->measurement, path);
+        look_at_measurement(in, path);
         source_from_grid(&in->source, &grid, in->measurement.source);
     }
     free(data);

@@ -7,7 +7,7 @@
 
 #include "common.h"
 
-enum { GAP = 14, LABEL = 22, HEAD = 12, FOOT = 40, MIN_CELL = 134, MIN_WIDTH = 480, MAX_SIDE = 16000 };
+enum { GAP = 14, LABEL = 22, HEAD = 12, FOOT = 40, MIN_CELL = 134, MIN_WIDTH = 560, MAX_SIDE = 16000 };
 
 void preview_sheet(bool (*open)(struct preview *out, const void *ctx, size_t i), const void *ctx, size_t count,
                    const struct preview_view *view, const char *path)
