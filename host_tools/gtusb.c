@@ -79,8 +79,6 @@ int main(int argc, char **argv)
             common_set_name("gtusb", commands[i].name);
             argv[1] = xasprintf("gtusb %s", commands[i].name);
             commands[i].run(argc - 1, argv + 1);
-            if (fflush(stdout) || ferror(stdout))
-                die(EXIT_FILE, "standard output: cannot be written");
             return EXIT_OK;
         }
     die(EXIT_USAGE, "no command '%s'; see 'gtusb --help'", argv[1]);

@@ -68,6 +68,7 @@ void command_frame(int argc, char **argv)
     options_parse(&argp, argc, argv, &output);
     if (!output)
         die(EXIT_USAGE, "no output file; give -o FILE.png");
+    image_need(output, ".png"); /* before the device renders */
     struct link *l = device_open(&info);
     canvas_init(&canvas, info.width, info.height, info.format);
     link_set_patience(l, 6);
