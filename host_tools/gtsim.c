@@ -45,7 +45,10 @@ static const struct argp_option board_options[] = {
     {"size", 's', "WxH", 0, "the picture's size (320x240)", 0},
     {"samples", 'a', "1|4", 0, "coverage samples per pixel (1); 4 smooths edges", 0},
     {"format", 'f', "rgb565|rgb888", 0, "the device's pixels (rgb888)", 0},
-    {"budget", 'b', "TICKS", 0, "mean ticks per tile, as modelled for a Cortex-M7 (0: no limit)", 0},
+    {"budget", 'b', "TICKS", 0,
+     "mean ticks per tile, as modelled for a Cortex-M7 (0: no limit); frames learn from those before: "
+     "'render' makes the eighth",
+     0},
     {0}};
 const struct argp board_argp = {board_options, parse_board, NULL, NULL, NULL, NULL, NULL};
 

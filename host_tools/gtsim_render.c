@@ -91,15 +91,24 @@ static void print_stats(uint32_t tiles, uint32_t meshlets, uint32_t bytes, const
            s->fetches);
 }
 
+/* Frames with a budget learn from those before: the picture is what a still one has settled at. */
+enum { LEARNING_FRAMES = 7 };
+
+static void frame_stream(struct sim_device *d, const struct render *r, uint8_t *pixels)
+{
+    struct usb_header h;
+    if (!sim_device_frame(d, pixels, &h))
+        die(EXIT_INTERNAL, "the simulated device does not answer");
+    check_frame(d, r, h.status, h.detail);
+}
+
 /* The frame as the firmware renders it. */
 static void frame_by_firmware(struct sim_device *d, const struct render *r, uint8_t *pixels)
 {
     struct usb_stats_request want = {0};
     struct usb_header h;
     struct usb_stats s;
-    if (!sim_device_frame(d, pixels, &h))
-        die(EXIT_INTERNAL, "the simulated device does not answer");
-    check_frame(d, r, h.status, h.detail);
+    frame_stream(d, r, pixels);
     if (!r->stats)
         return;
     if (!sim_device_request(d, USB_MSG_STATS, &want, sizeof want, &h, &s, sizeof s) || h.status != USB_OK)
@@ -184,6 +193,8 @@ int command_render(int argc, char **argv)
     canvas_init(&canvas, r.board.width, r.board.height, r.board.format);
     size_t bytes = (size_t)canvas.missing * canvas_pixel_bytes(r.board.format);
     uint8_t *pixels = xmalloc(bytes);
+    for (int i = 0; i < LEARNING_FRAMES && r.board.tile_budget; i++)
+        frame_stream(d, &r, pixels);
     double start = seconds_now();
     if (r.threads > 1 || r.shuffled)
         frame_by_pool(d, &r, pixels);

@@ -6,8 +6,9 @@
 #define FAN (CLIP_MAX_VERTICES - 2)
 /* Of the frame's budget, what a meshlet may take before it is bounded more closely. */
 #define WORTH_BOXES 32
-/* Sixteenths of what shading takes at full quality: to coarsen levels of detail errs more than to shade for less errs, down to this. */
-#define SENSIBLE 3
+/* Sixteenths of what shading takes at full quality, by how often the threshold of levels of detail was doubled: to double it once more errs more
+ * than to shade for less errs, down to this. */
+static const uint8_t sensible[3] = {4, 4, 2};
 
 static uint32_t cost_ticks(uint64_t cost)
 {
@@ -419,13 +420,14 @@ static void find_order(struct raster *r)
  * least for drawing it with its own least in reserve, and for what it takes more than its least and the tiles after it need. To each tile's `keep`:
  * what the tiles after it need so. Shading is counted at the least quality that is worth the levels of detail.
  */
-static uint32_t find_keeps(struct raster *r)
+static uint32_t find_keeps(struct raster *r, uint32_t bias)
 {
+    const uint32_t sixteenths = sensible[fx_min_u(bias, 2)];
     uint32_t need = 0;
     for (uint32_t i = raster_tile_count(r); i-- > 0;) {
         struct raster_tile_bound *b = &r->bounds[r->bounds[i].order];
         const struct raster_expected e = raster_tile_expected(r, r->bounds[i].order);
-        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(e.besides, e.shading / 16 * SENSIBLE), need);
+        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(e.besides, e.shading / 16 * sixteenths), need);
         /* An eighth more, as to fall back for the lack of a few ticks would be the larger loss. */
         const uint32_t reserve = b->largest ? fx_add_sat_u(e.besides + e.besides / 8, b->largest) : 0;
         b->keep = need;
@@ -459,7 +461,7 @@ static bool takes_too_much(struct raster *r, uint32_t bias)
     for (uint32_t t = 0; t < raster_tile_count(r); t++)
         least += r->bounds[t].least;
     find_order(r);
-    const uint32_t need = find_keeps(r);
+    const uint32_t need = find_keeps(r, bias);
     budget -= r->frame.learnt && bias < r->frame.learnt->lod_bias ? budget / 8 : 0;
     return budget < least + need;
 }
