@@ -6,10 +6,6 @@
 #define FAN (CLIP_MAX_VERTICES - 2)
 /* Of the frame's budget, what a meshlet may take before it is bounded more closely. */
 #define WORTH_BOXES 32
-/* Sixteenths of what shading takes at full quality, by how often the threshold of levels of detail was doubled: to double it once more errs more
- * than to shade for less errs, down to this. */
-static const uint8_t sensible[3] = {4, 4, 2};
-
 static uint32_t cost_ticks(uint64_t cost)
 {
     cost = (cost + (1u << RASTER_COST_BITS) - 1) >> RASTER_COST_BITS;
@@ -339,6 +335,14 @@ static uint32_t seen_part(uint32_t shown)
     return shown < 2 * all ? (all << 17) / (2 * all + shown) : (all << 16) / shown;
 }
 
+/* What a tile's regions take for each of their materials, whatever the rate, roughly. */
+static uint32_t passes_ticks(const struct raster *r, const struct raster_tile_bound *b)
+{
+    const struct raster_costs *c = r->frame.costs;
+    const uint32_t planes = r->directional * c->shading[RASTER_SHADE_HALF_VECTOR].material;
+    return b->shown ? cost_ticks(b->passes * (uint64_t)(c->region + planes)) : 0;
+}
+
 uint32_t raster_min_tile_budget(struct raster *r)
 {
     const struct raster_costs *c = r->frame.costs;
@@ -351,7 +355,6 @@ uint32_t raster_min_tile_budget(struct raster *r)
         flat_planes = more > flat_planes ? more : flat_planes;
     }
     const uint64_t pass = (uint64_t)c->survey * RASTER_TILE_PIXELS + (uint64_t)c->light * r->frame.light_count;
-    const uint32_t planes = r->directional * c->shading[RASTER_SHADE_HALF_VECTOR].material;
     const uint32_t tiles = raster_tile_count(r);
     uint64_t sum = 0;
     for (uint32_t t = 0; t < tiles; t++) {
@@ -368,9 +371,7 @@ uint32_t raster_min_tile_budget(struct raster *r)
         b->besides =
             fx_add_sat_u(b->besides, cost_ticks((uint64_t)c->tile + c->plan + (uint64_t)c->survey * RASTER_TILE_PIXELS +
                                                 (uint64_t)c->finished * shown));
-        b->demand = (uint32_t)((uint64_t)b->demand * seen_part(b->shown) >> 16);
-        if (b->shown)
-            b->demand = fx_add_sat_u(b->demand, cost_ticks(b->passes * (uint64_t)(c->region + planes)));
+        b->demand = fx_add_sat_u((uint32_t)((uint64_t)b->demand * seen_part(b->shown) >> 16), passes_ticks(r, b));
         sum += b->least;
     }
     return mean_above(sum, tiles);
@@ -385,13 +386,17 @@ static uint32_t times_learnt(uint32_t x, uint8_t ratio)
     return fx_sat31((uint64_t)x * (ratio ? ratio : USUAL) >> 6);
 }
 
+static uint8_t shading_learnt(const struct raster *r, uint32_t tile)
+{
+    return r->frame.learnt ? r->frame.learnt->shading[tile % RASTER_LEARNT_TILES] : 0;
+}
+
 struct raster_expected raster_tile_expected(const struct raster *r, uint32_t tile)
 {
     const struct raster_learnt *l = r->frame.learnt;
     const struct raster_tile_bound *b = &r->bounds[tile];
-    const uint32_t i = tile % RASTER_LEARNT_TILES;
-    return (struct raster_expected){times_learnt(b->demand, l ? l->shading[i] : 0),
-                                    times_learnt(b->besides, l ? l->besides[i] : 0)};
+    return (struct raster_expected){times_learnt(b->demand, shading_learnt(r, tile)),
+                                    times_learnt(b->besides, l ? l->besides[tile % RASTER_LEARNT_TILES] : 0)};
 }
 
 /* Tiles by their least, the lowest first, then by index: insertion at steps that shrink (Shell 1959). */
@@ -415,6 +420,18 @@ static void find_order(struct raster *r)
         }
 }
 
+/* Shading in cells of 4 x 4, roughly: to coarsen levels of detail errs more than to shade for less errs, down to this. A cell's part is a seventh
+ * of what it shows. Once the threshold was doubled twice, to double it again errs more than rate flat does, which takes half of that. */
+static uint32_t coarse_shading(const struct raster *r, uint32_t tile, uint32_t bias)
+{
+    const struct raster_costs *c = r->frame.costs;
+    const struct raster_tile_bound *b = &r->bounds[tile];
+    const uint32_t passes = passes_ticks(r, b), samples = b->demand > passes ? b->demand - passes : 0;
+    const uint32_t parts = fx_min_u(b->shown, RASTER_TILE_PIXELS) / 7;
+    const uint32_t coarse = samples / 32 * 5 + cost_ticks((uint64_t)parts * (c->part + c->cell)) + passes;
+    return times_learnt(bias < 2 ? coarse : coarse / 2, shading_learnt(r, tile));
+}
+
 /*
  * Ticks that the frame needs beyond the sum of `least`, for no tile to fall back: before a tile is drawn, that must suffice beside the later ones'
  * least for drawing it with its own least in reserve, and for what it takes more than its least and the tiles after it need. To each tile's `keep`:
@@ -422,12 +439,12 @@ static void find_order(struct raster *r)
  */
 static uint32_t find_keeps(struct raster *r, uint32_t bias)
 {
-    const uint32_t sixteenths = sensible[fx_min_u(bias, 2)];
     uint32_t need = 0;
     for (uint32_t i = raster_tile_count(r); i-- > 0;) {
-        struct raster_tile_bound *b = &r->bounds[r->bounds[i].order];
-        const struct raster_expected e = raster_tile_expected(r, r->bounds[i].order);
-        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(e.besides, e.shading / 16 * sixteenths), need);
+        const uint32_t tile = r->bounds[i].order;
+        struct raster_tile_bound *b = &r->bounds[tile];
+        const struct raster_expected e = raster_tile_expected(r, tile);
+        const uint32_t takes = fx_add_sat_u(fx_add_sat_u(e.besides, coarse_shading(r, tile, bias)), need);
         /* An eighth more, as to fall back for the lack of a few ticks would be the larger loss. */
         const uint32_t reserve = b->largest ? fx_add_sat_u(e.besides + e.besides / 8, b->largest) : 0;
         b->keep = need;
