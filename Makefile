@@ -82,8 +82,8 @@ check-built: all demo-data tests fuzz-programs
 
 check-long: deps-check ## check with ten times the random cases, then built by clang -O3 and by gcc -O0, without sanitizers
 	$(AGAIN) check-built GONIOTILE_LONG=1 LIMIT=1800
-	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 WARN=-Wall SAN=
-	$(AGAIN) check-built B=$(B)/gcc-O0 CC=gcc OPT=-O0 SAN=
+	$(AGAIN) check-built B=$(B)/clang-O3 CC=clang-14 OPT=-O3 WARN=-Wall SAN= LIMIT=1800
+	$(AGAIN) check-built B=$(B)/gcc-O0 CC=gcc OPT=-O0 SAN= LIMIT=1800
 
 bench: deps-bench ## measure; writes build/bench/results.csv
 	$(AGAIN) bench-built
