@@ -17,6 +17,9 @@ extern const struct argp content_argp;
 /* Bytes for a frame that let any scene be looked at: more than a device has. */
 #define DEVICE_ARENA_BYTES ((size_t)4 << 20)
 
+/* Frames with a budget learn from those before; after so many more a still picture has settled. */
+enum { LEARNING_FRAMES = 7 };
+
 /* Pushes files and sets the model. Dies with EXIT_FILE, EXIT_BAD_INPUT or EXIT_REFUSED when a file is not what it should be. */
 void device_load(struct sim_device *d, const struct device_content *content);
 

@@ -91,9 +91,6 @@ static void print_stats(uint32_t tiles, uint32_t meshlets, uint32_t bytes, const
            s->fetches);
 }
 
-/* Frames with a budget learn from those before: the picture is what a still one has settled at. */
-enum { LEARNING_FRAMES = 7 };
-
 static void frame_stream(struct sim_device *d, const struct render *r, uint8_t *pixels)
 {
     struct usb_header h;

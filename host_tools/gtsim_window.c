@@ -58,14 +58,17 @@ struct window {
     struct frame frame;
     int panel; /* of what tiles took, laid over the picture; -1: none */
     bool changed, redraw, quit;
+    int learning; /* frames of what does not change, for budgets to settle */
 };
 
 /* Asks for a frame if there may be a new one. */
 static void window_update(struct window *w)
 {
-    if (!w->changed)
+    const uint32_t *budget = &w->frame.stats.tile_budget;
+    if (!w->changed && !w->learning)
         return;
     frame_fetch(&w->frame);
+    w->learning = !w->changed ? w->learning - 1 : *budget && *budget != RATE_BUDGET ? LEARNING_FRAMES : 0;
     w->changed = false;
     w->redraw = true;
 }
@@ -195,7 +198,9 @@ static void key_of_window(struct window *w, SDL_Keycode key)
         w->redraw = true;
         break;
     case SDLK_p:
-        window_update(w); /* keys before this one may have changed the picture */
+        do
+            window_update(w); /* keys before this one may have changed the picture */
+        while (w->learning);
         frame_write(&w->frame, w->screenshots);
         break;
     case SDLK_h:
