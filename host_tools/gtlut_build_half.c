@@ -6,6 +6,7 @@
 #include "goniotile_version.h"
 #include "gtlut_build.h"
 #include "gtlut_table.h"
+#include "rgb9e5.h"
 
 static void symmetric_value(double rgb[3], const void *ctx, const double l[3], const double v[3])
 {
@@ -54,11 +55,11 @@ static void judge(const struct build_result *r, const struct half_vector *t, con
     size_t clipped = 0, count = (size_t)t->h * t->d * t->t;
     double largest = 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t w = t->texels[i], a = w & 511, b = w >> 9 & 511, c = w >> 18 & 511;
-        uint32_t most = a > b ? a : b, exponent = w >> 27;
-        most = most > c ? most : c;
-        clipped += t->scale == HALF_VECTOR_MAX_SCALE && exponent == 31 && most == 511;
-        largest = fmax(largest, ldexp(most, (int)exponent - 24 + t->scale));
+        struct lut_rgb texel = lut_rgb9e5_decode(t->texels[i]);
+        uint32_t most = texel.c[0] > texel.c[1] ? texel.c[0] : texel.c[1];
+        most = most > texel.c[2] ? most : texel.c[2];
+        clipped += t->scale == HALF_VECTOR_MAX_SCALE && texel.e == 31 - 24 && most == 511;
+        largest = fmax(largest, ldexp(most, texel.e + t->scale));
     }
     if (clipped)
         warn("%zu texels clipped at %g, times cosines in 1/sr; a table holds no more", clipped, largest);

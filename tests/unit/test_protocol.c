@@ -527,36 +527,6 @@ static void unrenderable_scene_is_refused_with_the_rasterizers_reason(void **sta
     sim_device_destroy(d);
 }
 
-/* An entry as large as may be is taken, a larger one is not: each entry, and those that lights multiply have less. */
-static void costs_out_of_range_are_refused(void **state)
-{
-    static struct app app;
-    struct sim_device *d = fixture_device(false, false);
-    struct app_config config = d->config;
-    struct raster_costs costs = *d->config.costs;
-    uint32_t *const entries[] = {&costs.tile, &costs.survey, &costs.plan, &costs.shading[0].material,
-                                 &costs.shading[RASTER_SHADE_COUNT - 1].flat};
-    uint32_t *const of_samples[] = {&costs.part,
-                                    &costs.cell,
-                                    &costs.shading[0].sample,
-                                    &costs.shading[1].lit,
-                                    &costs.shading[2].dark,
-                                    &costs.shading[3].point};
-    (void)state;
-    config.costs = &costs;
-    for (size_t i = 0; i < 11; i++) {
-        uint32_t *entry = i < 5 ? entries[i] : of_samples[i - 5], was = *entry;
-        *entry = i < 5 ? APP_MOST_COST : APP_MOST_SAMPLE_COST;
-        assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
-        ++*entry;
-        assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
-        *entry = was;
-    }
-    costs.clear = costs.tile + 1; /* part of it */
-    assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
-    sim_device_destroy(d);
-}
-
 static void values_out_of_range_are_refused(void **state)
 {
     static uint8_t first[PICTURE], now[PICTURE];
@@ -610,7 +580,6 @@ int main(void)
         cmocka_unit_test(frames_that_cannot_be_are_refused_with_the_reason),
         cmocka_unit_test(firmware_refuses_what_it_has_no_part_for),
         cmocka_unit_test(unrenderable_scene_is_refused_with_the_rasterizers_reason),
-        cmocka_unit_test(costs_out_of_range_are_refused),
         cmocka_unit_test(values_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

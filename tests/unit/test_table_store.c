@@ -4,8 +4,6 @@
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "crc32.h"
 #include "device_fixture.h"
@@ -97,24 +95,6 @@ static uint8_t *bank(struct fixture *f, uint32_t slot, uint32_t which)
 {
     uint32_t bytes;
     return sim_flash(f->board, &bytes) + (2 * slot + which) * FIXTURE_BANK;
-}
-
-static void crc_is_that_of_ieee_802_3(void **state)
-{
-    uint8_t data[300];
-    (void)state;
-    assert_int_equal(crc32_update(0, "123456789", 9), 0xcbf43926);
-    assert_int_equal(crc32_update(0, "", 0), 0);
-    for (size_t i = 0; i < sizeof data; i++)
-        data[i] = (uint8_t)random32();
-    uint32_t crc = 0xffffffff;
-    for (size_t i = 0; i < sizeof data; i++) {
-        crc ^= data[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = crc & 1 ? crc >> 1 ^ 0xedb88320 : crc >> 1;
-        assert_int_equal(crc32_update(0, data, i + 1), ~crc);
-        assert_int_equal(crc32_update(crc32_update(0, data, i / 3), data + i / 3, i + 1 - i / 3), ~crc);
-    }
 }
 
 static void committed_table_is_live_and_survives_a_restart(void **state)
@@ -559,42 +539,9 @@ static void flash_too_small_for_the_slots_is_refused(void **state)
     assert_true(table_store_init(&s, &hal, SLOTS, 0));
 }
 
-/* True when programming `offset` ends the process by abort. */
-static bool program_aborts(struct fixture *f, uint32_t offset, uint32_t bytes)
-{
-    static const uint32_t zeros[4];
-    int status;
-    pid_t child = fork();
-    if (child == 0) {
-        close(2);
-        sim_hal(f->board)->flash_program(f->board, offset, zeros, bytes);
-        _exit(0);
-    }
-    assert_int_equal(waitpid(child, &status, 0), child);
-    return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT;
-}
-
-static void simulated_flash_insists_on_the_rules_of_nor(void **state)
-{
-    struct fixture *f = *state;
-    uint32_t bytes;
-    sim_flash(f->board, &bytes);
-    assert_false(program_aborts(f, 8, 8));
-    assert_int_equal(sim_hal(f->board)->flash_program(f->board, 8, "1234", 4), HAL_OK);
-    assert_true(program_aborts(f, 8, 8));
-    assert_true(program_aborts(f, 4, 8));
-    assert_false(program_aborts(f, 12, 8));
-    assert_true(program_aborts(f, 13, 4));
-    assert_true(program_aborts(f, 16, 3));
-    assert_true(program_aborts(f, bytes - 4, 8));
-    assert_int_equal(sim_hal(f->board)->flash_erase(f->board, 0), HAL_OK);
-    assert_false(program_aborts(f, 8, 8));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crc_is_that_of_ieee_802_3),
         cmocka_unit_test_setup_teardown(committed_table_is_live_and_survives_a_restart, setup, teardown),
         cmocka_unit_test_setup_teardown(header_is_as_specified, setup, teardown),
         cmocka_unit_test_setup_teardown(upload_without_commit_leaves_the_old_table, setup, teardown),
@@ -614,7 +561,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(blocks_are_erased_as_the_data_arrives, setup, teardown),
         cmocka_unit_test_setup_teardown(begin_refuses_what_cannot_be_stored, setup, teardown),
         cmocka_unit_test_setup_teardown(flash_too_small_for_the_slots_is_refused, setup, teardown),
-        cmocka_unit_test_setup_teardown(simulated_flash_insists_on_the_rules_of_nor, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
