@@ -16,6 +16,11 @@
  *   S = A scale0 + B scale1                                        each product's high word: below 2^28
  *   radiance += S colour                                           high word: below 2^27
  *
+ * With four taps node t is the nearer of the two, t2 + 2^9 >> 10, and f = d's fraction of 2^14:
+ *   A = row h's texels (t, d), (t, d+1) times 2^14 - f, f; B = row h+1's
+ * With one it is so, and h and d go by their fractions' highest bits, the cell being the same:
+ *   S = M scale/4                                                  >> 16: below 2^28
+ *
  * A texel's 15 bits are M = (mantissa << 6) >> (E - e), E the largest exponent field of the h and d cell, which the table's file
  * lists, so that the re-packed copy ("slabs") gives the same bits.
  */
@@ -30,20 +35,35 @@ typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint
 raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
 raster_half_vector raster_half_vector_packed; /* table->slabs != NULL */
 raster_half_vector raster_half_vector_arm;    /* the same where RASTER_ARM; half_vector_arm.c */
-raster_half_vector raster_half_vector_wide;   /* any table, where RASTER_WIDE; half_vector_wide.c */
+raster_half_vector
+    raster_half_vector_wide; /* any table, by as many taps as the batch says, where RASTER_WIDE; half_vector_wide.c */
+/* The first three by the batch's fewer taps. */
+raster_half_vector raster_half_vector_fewer_plain;
+raster_half_vector raster_half_vector_fewer_packed;
+raster_half_vector raster_half_vector_fewer_arm;
+
+/* The half-vector table by fewer taps than it has, as the batch says. */
+struct raster_fewer_taps {
+    raster_half_vector *shade;
+};
 
 /* What is used for tables with and without a re-packed copy. */
 #ifdef RASTER_ARM
-#define HALF_VECTOR_PACKED raster_half_vector_arm
+#define HALF_VECTOR_PACKED       raster_half_vector_arm
+#define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_packed
 #elif defined(RASTER_WIDE)
-#define HALF_VECTOR_PACKED raster_half_vector_wide
+#define HALF_VECTOR_PACKED       raster_half_vector_wide
+#define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_packed
 #else
-#define HALF_VECTOR_PACKED raster_half_vector_packed
+#define HALF_VECTOR_PACKED       raster_half_vector_packed
+#define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_packed
 #endif
 #ifdef RASTER_WIDE
-#define HALF_VECTOR_PLAIN raster_half_vector_wide
+#define HALF_VECTOR_PLAIN       raster_half_vector_wide
+#define HALF_VECTOR_FEWER_PLAIN raster_half_vector_fewer_plain
 #else
-#define HALF_VECTOR_PLAIN raster_half_vector_plain
+#define HALF_VECTOR_PLAIN       raster_half_vector_plain
+#define HALF_VECTOR_FEWER_PLAIN raster_half_vector_fewer_plain
 #endif
 
 /* One light and table: what does not change from pixel to pixel. */

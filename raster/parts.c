@@ -10,4 +10,5 @@ const struct raster_parts raster_all_parts = {
     .blinn_phong_rows = &raster_blinn_phong_rows,
     .point_lights = &raster_point_lights,
     .cells = &raster_cells,
+    .fewer_taps = &raster_fewer_taps,
 };

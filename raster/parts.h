@@ -11,6 +11,7 @@ struct raster_model;
 struct raster_rows;
 struct raster_points;
 struct raster_cells;
+struct raster_fewer_taps;
 
 /* NULL: the program does without. A frame whose materials or lights ask for that is refused, but rows are only a faster way. */
 struct raster_parts {
@@ -22,6 +23,8 @@ struct raster_parts {
     const struct raster_points *point_lights;
     /* 4 samples per pixel, shading at less than full quality, which budgets choose, and raster_frame.memory. */
     const struct raster_cells *cells;
+    /* Half-vector tables by fewer texels, which budgets choose; without, they do not. */
+    const struct raster_fewer_taps *fewer_taps;
 };
 
 extern const struct raster_model raster_half_vector_model;
@@ -33,6 +36,7 @@ extern const struct raster_rows raster_diffuse_rows;
 extern const struct raster_rows raster_blinn_phong_rows;
 extern const struct raster_points raster_point_lights;
 extern const struct raster_cells raster_cells;
+extern const struct raster_fewer_taps raster_fewer_taps;
 
 /* All of them. */
 extern const struct raster_parts raster_all_parts;

@@ -34,12 +34,17 @@ enum raster_rate {
     RASTER_RATE_COUNT
 };
 
+/* Texels of a half-vector table that a pixel and light are interpolated between: two nodes along each axis; of the two azimuths the nearer
+ * alone; the nearest node. Where raster_parts has fewer_taps. */
+enum raster_taps { RASTER_TAPS_8, RASTER_TAPS_4, RASTER_TAPS_1, RASTER_TAPS_COUNT };
+
 #define RASTER_ALL_LIGHTS   255u
 #define RASTER_LEAST_LIGHTS 4u /* of the last rung */
 
 struct raster_quality {
     uint8_t rate[RASTER_CLASSES]; /* enum raster_rate, of each of the survey's classes */
     uint8_t lights; /* how many of a tile's lights are evaluated, the strongest first; RASTER_ALL_LIGHTS: all */
+    uint8_t taps;   /* enum raster_taps */
 };
 
 /* Begins a tile: as raster_render_tile, before its first meshlet. Out: *rect its place on the screen; *stats zero, but for

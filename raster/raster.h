@@ -221,6 +221,7 @@ struct raster_batch {
     uint32_t surface[RASTER_BATCH]; /* index into the tile's; in the upper half which of those around it, see cells.c */
     uint32_t count;
     uint32_t material;
+    uint32_t taps; /* enum raster_taps, quality.h */
 };
 
 #define RASTER_REGION_SHIFT  4 /* log2 of a region's edge, pixels: see quality.h */

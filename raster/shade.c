@@ -20,6 +20,7 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[o->material];
     static const struct raster_shading_cost no_cost;
+    static const uint8_t texels[RASTER_TAPS_COUNT] = {8, 4, 1};
     const struct raster_shading_cost *c = r->frame.costs ? &r->frame.costs->shading[o->model->shading] : &no_cost;
     uint32_t lit = 0;
     uint64_t cost = (uint64_t)b->count * c->sample;
@@ -46,7 +47,7 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
     stats->shaded += lit;
     stats->cost += cost;
     if (m->kind == SCENE_MATERIAL_MEASURED)
-        stats->fetches += 8 * lit;
+        stats->fetches += (o->model->shading == RASTER_SHADE_HALF_VECTOR ? texels[b->taps] : 8u) * lit;
     if (o->model->ambient)
         o->model->ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */
@@ -202,6 +203,7 @@ void raster_tile_shade(const struct raster *r, struct raster_tile *t, const stru
     block.material = UINT32_MAX;
     block.scaled = false;
     t->batch.count = 0;
+    t->batch.taps = r->frame.parts->fewer_taps ? q->taps : RASTER_TAPS_8;
     raster_choose_lights(r, t, q->lights);
     for (o.other = find_slot(&o, x, y); o.other;) {
         set_material(&o, t->slots[o.other].material);
