@@ -17,6 +17,8 @@ static bool costs_valid(const struct raster_costs *c)
         __builtin_memcpy(&entry, (const uint8_t *)c + at, sizeof entry);
         valid = valid && entry <= APP_MOST_COST;
     }
+    for (unsigned i = 0; i < RASTER_TAPS_COUNT; i++)
+        valid = valid && c->taps[i] <= c->shading[RASTER_SHADE_HALF_VECTOR].lit;
     for (unsigned i = 0; i < RASTER_SHADE_COUNT; i++) {
         const struct raster_shading_cost *s = &c->shading[i];
         valid = valid && s->sample <= APP_MOST_SAMPLE_COST && s->lit <= APP_MOST_SAMPLE_COST &&
@@ -179,7 +181,7 @@ static void tile_record(struct app *app, uint32_t index, const struct raster_sta
     stats_add(&f->stats.total, &t);
     f->rates += b->rates;
     f->samples += b->pixels;
-    f->stats.tiles_reduced += b->coarsest || b->coarse || b->lights != RASTER_ALL_LIGHTS;
+    f->stats.tiles_reduced += budget_reduced(b);
     f->stats.tiles_coarse += b->coarse;
     f->stats.budget_ticks = fx_add_sat_u(f->stats.budget_ticks, b->own);
     if (f->recorded && app->config.tile_stats && index < app->config.tile_stats_count)

@@ -163,7 +163,7 @@ static void report_region(const struct tile *k, uint32_t region, const struct ra
         const uint32_t id = p->id[i], pixels = p->survey->area[id][region].pixels;
         const uint8_t rate = q->rate[id];
         out->pixels += pixels;
-        if (!rate || !pixels)
+        if ((!rate && !q->taps) || !pixels)
             continue;
         out->rates += pixels * rate;
         out->error =
@@ -194,6 +194,7 @@ static void shade_regions(struct tile *k, uint32_t end, uint32_t finish)
             k->stats->cost += (uint64_t)budget_cells_ticks(p, i, &q) << RASTER_COST_BITS;
     }
     k->report->lights = p->quality.lights < k->report->lights ? p->quality.lights : k->report->lights;
+    k->report->taps = p->quality.taps > k->report->taps ? p->quality.taps : k->report->taps;
 }
 
 /* At most, of what follows the last region, but for rows. */
@@ -209,8 +210,8 @@ static uint32_t finish_ticks(const struct tile *k)
 }
 
 /* Ticks for shading what is drawn: at the lowest price at which this and the tiles to come take what is left, or between that and the
- * next; in full, if they may. */
-static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t finish)
+ * next; in full, if they may. Out: the taps. */
+static uint32_t grant(enum raster_taps *taps, struct tile *k, uint32_t now, uint32_t full, uint32_t finish)
 {
     struct budget *b = k->b;
     const uint64_t besides = b->besides + finish + now;
@@ -221,6 +222,7 @@ static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t fini
     uint32_t own[BUDGET_PRICES], own_above = full, ticks = full;
     left += takes && takes < ONE ? (left * (ONE - takes)) >> 8 : 0; /* as is expected */
     bool found = need_above <= left;
+    *taps = RASTER_TAPS_8;
     budget_ticks_at_prices(own, b->plan.classes, b->plan.count);
     for (uint32_t i = 0; i < BUDGET_PRICES; i++) { /* all, for they are learnt */
         learn(&b->price_ratio[i], own[i], full);
@@ -228,6 +230,7 @@ static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t fini
             continue;
         const uint64_t need = times(others, &b->price_ratio[i], ONE - i * ONE / (BUDGET_PRICES + 4)) + own[i];
         found = need <= left;
+        *taps = budget_taps_at(i);
         ticks = own[i];
         if (found && own_above > own[i] && need_above > need) {
             uint64_t more = left - need, range = need_above - need;
@@ -238,7 +241,9 @@ static uint32_t grant(struct tile *k, uint32_t now, uint32_t full, uint32_t fini
         need_above = need;
         own_above = own[i];
     }
-    return fx_min_u(ticks, b->left > kept ? fx_sat31(b->left - kept) : 0);
+    const uint32_t most = b->left > kept ? fx_sat31(b->left - kept) : 0;
+    *taps = most < ticks ? RASTER_TAPS_1 : *taps;
+    return fx_min_u(ticks, most);
 }
 
 /* Without a plan, for which there are no ticks: every region at the last rung. */
@@ -301,9 +306,10 @@ static bool shade_pass(struct tile *k, bool last)
     for (uint32_t i = 0; i < p->count; i++)
         full = fx_add_sat(full, p->classes[i].ticks[RASTER_RATE_1X1]);
     if (spare > need + CHOICE_WORTH) {
-        const uint32_t granted = grant(k, begun + own_likely + OWN_CLASS * p->count, full, finish);
+        enum raster_taps taps;
+        const uint32_t granted = grant(&taps, k, begun + own_likely + OWN_CLASS * p->count, full, finish);
         ticks = granted > least ? granted : least;
-        expected = budget_plan_choose(p, b, ticks);
+        expected = budget_plan_choose(p, b, ticks, taps);
         decided(k, begun, OWN_CLASS * p->count);
     } else {
         expected = budget_plan_flat(p);

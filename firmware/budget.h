@@ -18,23 +18,31 @@
 
 /* What a tile got and took. */
 struct budget_report {
-    uint32_t share;     /* ticks, granted after visibility; 0: no budget */
-    uint32_t spent;     /* ticks */
-    uint32_t predicted; /* ticks, after visibility */
-    uint32_t own;       /* ticks spent on deciding */
-    uint32_t error;     /* predicted, see above */
-    uint32_t pixels;    /* shaded; samples, where there are 4 in a pixel */
-    uint32_t rates;     /* enum raster_rate summed over its pixels */
-    uint8_t coarsest;   /* enum raster_rate */
-    uint8_t lights;     /* as in struct raster_quality */
-    bool coarse;        /* drawn at the coarsest levels of detail */
+    uint32_t share;       /* ticks, granted after visibility; 0: no budget */
+    uint32_t spent;       /* ticks */
+    uint32_t predicted;   /* ticks, after visibility */
+    uint32_t own;         /* ticks spent on deciding */
+    uint32_t error;       /* predicted, see above */
+    uint32_t pixels;      /* shaded; samples, where there are 4 in a pixel */
+    uint32_t rates;       /* enum raster_rate summed over its pixels */
+    uint8_t coarsest;     /* enum raster_rate */
+    uint8_t lights, taps; /* as in struct raster_quality */
+    bool coarse;          /* drawn at the coarsest levels of detail */
 };
+
+/* Below full quality. */
+static inline bool budget_reduced(const struct budget_report *t)
+{
+    return t->coarsest || t->coarse || t->lights != RASTER_ALL_LIGHTS || t->taps != RASTER_TAPS_8;
+}
 
 /* One class of a survey: what every rate of shading is expected to take, and to err. */
 struct budget_class {
     uint32_t ticks[RASTER_RATE_COUNT];
     uint32_t error[RASTER_RATE_COUNT];
-    uint8_t rate; /* the choice */
+    uint32_t samples[RASTER_RATE_COUNT]; /* whose ticks depend on the taps */
+    uint32_t saved[RASTER_TAPS_COUNT];   /* of each, 4 fraction bits, beside all taps */
+    uint8_t rate;                        /* the choice */
 };
 
 /* What a sample takes at most, 4 fraction bits: where planes hold, where they do not, in rows. */
@@ -59,7 +67,7 @@ struct budget_plan {
     uint8_t region_planes[RASTER_MAX_REGIONS];
     uint32_t pass[RASTER_REGION_SHIFT + 1]
                  [RASTER_RATE_FLAT];  /* for a material at a rate, by region_planes; 4 fraction bits */
-    struct budget_units units, least; /* under the plan's lights, and under the fewest */
+    struct budget_units units, least; /* with the plan's lights and taps; with the fewest lights and all taps */
     /* The last rung from a region on, at most: all but the meshlets' evaluations, and how many these may be. */
     uint32_t flat_ticks[RASTER_MAX_REGIONS + 1], flat_cells[RASTER_MAX_REGIONS + 1];
     uint32_t flat_each;   /* an evaluation's ticks */
@@ -69,6 +77,11 @@ struct budget_plan {
 
 /* Prices of a tick, each sixteen times the one before, from 2^-8 squared steps on. */
 #define BUDGET_PRICES 6u
+/* The taps that are worth their ticks at a price. */
+static inline enum raster_taps budget_taps_at(uint32_t price)
+{
+    return price == 0 ? RASTER_TAPS_8 : price == 1 ? RASTER_TAPS_4 : RASTER_TAPS_1;
+}
 
 /* A running ratio of a frame's sums, half of the sums before, and so on. */
 struct budget_ratio {
@@ -113,8 +126,8 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
                        const struct raster_tile *work, const struct raster_rect *rect, bool last);
 /* Everything from a region on at the last rung, at most. */
 uint32_t budget_least_ticks(const struct budget_plan *p, uint32_t region);
-/* Chooses rates and lights that are expected to take at most `ticks`. Returns the ticks expected. */
-uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks);
+/* Chooses rates and lights that are expected to take at most `ticks` with these taps. Returns the ticks expected. */
+uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks, enum raster_taps taps);
 /* The last rung: every class flat. Returns the ticks at most. */
 uint32_t budget_plan_flat(struct budget_plan *p);
 /* Coarsens a region's rates until it takes at most `ticks`, or what it takes at the last rung. */
@@ -125,7 +138,7 @@ uint32_t budget_cells_ticks(const struct budget_plan *p, uint32_t region, const 
 uint32_t budget_rows_ticks(const struct budget_plan *p, uint32_t region, const struct raster_quality *q);
 /* --- budget_choose.c --- */
 
-/* What all classes take at BUDGET_PRICES prices, where each, on its own, weighs its errors against ticks. */
+/* What all classes take at BUDGET_PRICES prices, with the taps of each, where each class, on its own, weighs its errors against ticks. */
 void budget_ticks_at_prices(uint32_t ticks[BUDGET_PRICES], const struct budget_class *classes, uint32_t count);
 
 /*

@@ -127,15 +127,19 @@ void budget_ticks_at_prices(uint32_t ticks[BUDGET_PRICES], const struct budget_c
     for (const struct budget_class *c = classes, *end = c + count; c != end; c++) {
         unsigned best = RASTER_RATE_1X1;
         for (uint32_t i = 0; i < BUDGET_PRICES; i++) {
-            uint32_t least = weighed(c->error[best], c->ticks[best], i);
+            const uint32_t saved = c->saved[budget_taps_at(i)];
+            uint32_t takes = c->ticks[best] - (c->samples[best] * saved >> RASTER_COST_BITS),
+                     least = weighed(c->error[best], takes, i);
             for (unsigned rate = best + 1; rate < RASTER_RATE_COUNT; rate++) { /* the dearer a tick, the coarser */
-                const uint32_t cost = weighed(c->error[rate], c->ticks[rate], i);
+                const uint32_t other = c->ticks[rate] - (c->samples[rate] * saved >> RASTER_COST_BITS);
+                const uint32_t cost = weighed(c->error[rate], other, i);
                 if (cost < least) {
                     least = cost;
+                    takes = other;
                     best = rate;
                 }
             }
-            ticks[i] = fx_add_sat(ticks[i], c->ticks[best]);
+            ticks[i] = fx_add_sat(ticks[i], takes);
         }
     }
 }

@@ -44,16 +44,18 @@ static uint64_t likely_row_cost(const struct budget_units *u, uint32_t i, const 
 }
 
 /* What a class's samples take at most under at most `lights` lights, of each kind as many as there may be among the strongest. */
-static void units_find(struct budget_units *u, const struct budget_plan *p, uint32_t lights)
+static void units_find(struct budget_units *u, const struct budget_plan *p, uint32_t lights, enum raster_taps taps)
 {
     const struct raster_costs *costs = p->r->frame.costs;
     const uint32_t all = fx_min_u(p->r->directional + p->survey->point_lights, lights),
                    points = fx_min_u(p->survey->point_lights, all);
     u->lights = (uint8_t)all;
     for (uint32_t i = 0; i < p->count; i++) {
-        const struct raster_shading_cost *c = &costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
+        const enum raster_shading k = shading_of(p, i, RASTER_RATE_4X4);
+        const struct raster_shading_cost *c = &costs->shading[k];
         const struct raster_shading_cost *row = &costs->shading[shading_of(p, i, RASTER_RATE_1X1)];
-        const uint32_t lit = c->lit > c->dark ? c->lit : c->dark, point = c->point > lit ? c->point : lit;
+        const uint32_t bright = c->lit - (k == RASTER_SHADE_HALF_VECTOR ? costs->taps[taps] : 0);
+        const uint32_t lit = bright > c->dark ? bright : c->dark, point = c->point > lit ? c->point : lit;
         u->planes[i] = c->sample + (all - points) * lit + points * point;
         u->exact[i] = c->sample + all * point;
         u->row[i] = row->sample + fx_min_u(p->r->directional, all) * row->lit;
@@ -259,7 +261,17 @@ static uint32_t light_error(const struct budget_plan *p, uint32_t lights)
     return p->pixels * 3 * steps * steps;                                      /* 2^13.6 2^12 */
 }
 
-/* What each rate of each class is expected to take under at most `lights` lights, and to err. Of a sample never less than four fifths of the most,
+/* Of a class, with fewer taps than it was expected. */
+static void take_taps(struct budget_class *c, enum raster_taps taps, uint32_t pixels)
+{
+    const uint32_t more = c->saved[taps] ? raster_taps_error(taps, pixels) : 0;
+    for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++) {
+        c->ticks[rate] -= c->samples[rate] * c->saved[taps] >> RASTER_COST_BITS;
+        c->error[rate] += more; /* 2^28 + 2^16 */
+    }
+}
+
+/* What each rate of each class is expected to take under at most `lights` lights, and to err, with all taps. Of a sample never less than four fifths of the most,
  * as what is lit differs from tile to tile. */
 static void expect(struct budget_plan *p, const struct budget *b, uint32_t lights)
 {
@@ -267,10 +279,14 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
     const struct raster_survey *s = p->survey;
     const uint32_t directional = p->r->directional, all = directional + s->point_lights, n = fx_min_u(lights, all),
                    likely = all ? directional * n / all : 0;
-    units_find(&p->units, p, lights);
+    const struct raster_costs *costs = p->r->frame.costs;
+    units_find(&p->units, p, lights, RASTER_TAPS_8);
     for (uint32_t i = 0; i < p->count; i++) {
+        struct budget_class *out = &p->classes[i];
         const struct raster_area *total = &s->total[p->id[i]];
-        const struct raster_shading_cost *c = &p->r->frame.costs->shading[shading_of(p, i, RASTER_RATE_4X4)];
+        const enum raster_shading shading = shading_of(p, i, RASTER_RATE_4X4);
+        const struct raster_shading_cost *c = &costs->shading[shading];
+        const bool fewer = shading == RASTER_SHADE_HALF_VECTOR && p->r->frame.parts->fewer_taps;
         const uint32_t part = (p->exact[i] << 8) / total->pixels; /* 2^13 2^8 */
         const uint32_t planes = c->sample + (likely * (c->lit * lit + c->dark * (256 - lit)) >> 8) +
                                 ((n - likely) * c->point * b->point >> 8); /* 2^7 2^11 2^8; 2^7 2^15 2^8 */
@@ -278,10 +294,12 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
         const uint32_t most = p->units.planes[i] * (256 - part) + p->units.exact[i] * part; /* 2^22 2^8 */
         const uint32_t expected = planes * (256 - part) + exact * part;
         const uint32_t least = most / 5 * 4, unit = (expected > least ? expected : least) >> 8;
-        uint32_t samples[RASTER_RATE_COUNT];
+        uint32_t *samples = out->samples;
         raster_samples_likely(samples, p->r, s, p->id[i], total);
         if (!p->last)
             samples[RASTER_RATE_1X1] = total->pixels;
+        for (unsigned taps = 0; taps < RASTER_TAPS_COUNT; taps++)
+            out->saved[taps] = fewer ? likely * costs->taps[taps] * lit * (256 - part) >> 16 : 0; /* 2^7 2^11 2^8 */
         uint64_t passes[RASTER_RATE_COUNT] = {0};
         for (unsigned k = 0; k <= RASTER_REGION_SHIFT; k++) /* classes of one material share them */
             for (unsigned rate = 0; rate < RASTER_RATE_COUNT && p->first[i][k]; rate++)
@@ -292,9 +310,10 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
                                          rate == RASTER_RATE_FLAT ? p->flat_each << RASTER_COST_BITS : unit);
             if (!rate && p->rows >> i & 1)
                 cost = likely_row_cost(&p->units, i, total);
-            p->classes[i].ticks[rate] = ticks_of(cost);
-            p->classes[i].error[rate] = raster_class_error(s, p->id[i], (enum raster_rate)rate);
+            out->ticks[rate] = ticks_of(cost);
+            out->error[rate] = raster_class_error(s, p->id[i], (enum raster_rate)rate);
         }
+        samples[RASTER_RATE_FLAT] = 0; /* its ticks are the same */
     }
 }
 
@@ -360,7 +379,7 @@ void budget_plan_begin(struct budget_plan *p, const struct budget *b, const stru
     expect(p, b, RASTER_ALL_LIGHTS);
     p->least = p->units;
     if (p->units.lights > RASTER_LEAST_LIGHTS)
-        units_find(&p->least, p, RASTER_LEAST_LIGHTS);
+        units_find(&p->least, p, RASTER_LEAST_LIGHTS, RASTER_TAPS_8);
 }
 
 uint32_t budget_plan_flat(struct budget_plan *p)
@@ -368,6 +387,7 @@ uint32_t budget_plan_flat(struct budget_plan *p)
     for (uint32_t c = 0; c < RASTER_CLASSES; c++)
         p->quality.rate[c] = RASTER_RATE_FLAT;
     p->quality.lights = RASTER_LEAST_LIGHTS;
+    p->quality.taps = RASTER_TAPS_8;
     p->units = p->least;
     return budget_least_ticks(p, 0);
 }
@@ -395,7 +415,7 @@ static void leave_flat_out(struct budget_plan *p, uint32_t ticks)
         p->classes[i].ticks[RASTER_RATE_FLAT] = p->classes[i].ticks[RASTER_RATE_4X4];
 }
 
-uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks)
+uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks, enum raster_taps taps)
 {
     static const uint8_t ladder[] = {RASTER_ALL_LIGHTS, 16, RASTER_LEAST_LIGHTS};
     const uint32_t all = p->r->directional + p->survey->point_lights;
@@ -406,6 +426,8 @@ uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint3
                 continue;
             expect(p, b, ladder[step]);
         }
+        for (uint32_t i = 0; i < p->count; i++)
+            take_taps(&p->classes[i], taps, p->survey->total[p->id[i]].pixels);
         leave_flat_out(p, ticks);
         uint32_t error = budget_choose(p->classes, p->count, ticks), sum = 0;
         for (uint32_t i = 0; i < p->count; i++)
@@ -415,11 +437,11 @@ uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint3
             continue; /* fewer lights may fit */
         least = error;
         expected = fx_add_sat(sum, more_passes(p));
-        p->quality = (struct raster_quality){.lights = ladder[step]}; /* 1x1 of what does not show */
+        p->quality = (struct raster_quality){.lights = ladder[step], .taps = taps}; /* 1x1 of what does not show */
         for (uint32_t i = 0; i < p->count; i++)
             p->quality.rate[p->id[i]] = p->classes[i].rate;
     }
-    if (p->units.lights != fx_min_u(p->quality.lights, all))
-        units_find(&p->units, p, p->quality.lights);
+    if (p->units.lights != fx_min_u(p->quality.lights, all) || taps != RASTER_TAPS_8)
+        units_find(&p->units, p, p->quality.lights, taps);
     return expected;
 }

@@ -40,6 +40,12 @@ uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, en
     return error < 1u << 28 ? (uint32_t)error : 1u << 28;
 }
 
+uint32_t raster_taps_error(enum raster_taps taps, uint32_t pixels)
+{
+    static const uint8_t quarters[RASTER_TAPS_COUNT] = {0, 1, 18}; /* six models, DESIGN.md */
+    return quarters[taps] * pixels >> 2;
+}
+
 /* Rounded down. In: x < 2^22. */
 static uint32_t square_root(uint32_t x)
 {

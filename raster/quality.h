@@ -109,6 +109,8 @@ static inline enum raster_shading raster_shading_of(const struct raster *r, uint
  * (raster_memory), a constant where that is not known.
  */
 uint32_t raster_class_error(const struct raster_survey *s, uint32_t class_id, enum raster_rate rate);
+/* Likewise, of pixels of half-vector tables, whatever their rate: what fewer taps err. In: pixels < 2^26. */
+uint32_t raster_taps_error(enum raster_taps taps, uint32_t pixels);
 
 /*
  * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make
@@ -136,6 +138,7 @@ struct raster_costs {
     uint32_t finished;  /* a pixel of a surface packed */
     uint32_t run;       /* pixels of surfaces side by side, with background about them, packed */
     uint32_t plan;      /* what is found out after a survey, before rates are chosen */
+    uint32_t taps[RASTER_TAPS_COUNT]; /* what a half-vector table takes less, of `lit`, with fewer */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */

@@ -22,6 +22,8 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
     static const struct raster_shading_cost no_cost;
     static const uint8_t texels[RASTER_TAPS_COUNT] = {8, 4, 1};
     const struct raster_shading_cost *c = r->frame.costs ? &r->frame.costs->shading[o->model->shading] : &no_cost;
+    const bool table = o->model->shading == RASTER_SHADE_HALF_VECTOR;
+    const uint32_t lit_cost = c->lit - (table && r->frame.costs ? r->frame.costs->taps[b->taps] : 0);
     uint32_t lit = 0;
     uint64_t cost = (uint64_t)b->count * c->sample;
     if (!b->count)
@@ -37,7 +39,7 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
         const uint32_t lit_by = raster_shade_light(o->t, k, r, o->x0, o->y0, l, o->model);
         lit += lit_by;
         stats->tried += b->count;
-        cost += planes ? lit_by * c->lit + (b->count - lit_by) * c->dark : b->count * c->point; /* 2^6 2^20 */
+        cost += planes ? lit_by * lit_cost + (b->count - lit_by) * c->dark : b->count * c->point; /* 2^6 2^20 */
         if (++added % 16 == 0) /* sums of 2^31 and RASTER_LIGHT_LIMIT */
             limit_radiance(b);
     }
@@ -47,7 +49,7 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
     stats->shaded += lit;
     stats->cost += cost;
     if (m->kind == SCENE_MATERIAL_MEASURED)
-        stats->fetches += (o->model->shading == RASTER_SHADE_HALF_VECTOR ? texels[b->taps] : 8u) * lit;
+        stats->fetches += (table ? texels[b->taps] : 8u) * lit;
     if (o->model->ambient)
         o->model->ambient(b, m, r->frame.output->exposure);
     uint32_t *value = b->radiance[0]; /* a pixel's value takes less room than its radiance */

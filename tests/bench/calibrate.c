@@ -143,7 +143,7 @@ static void fit_free(struct fit *f)
 
 struct table {
     double tile, clear, meshlet, vertex, triangle, general, facing, row, tested, general_facing, general_row,
-        general_tested, survey, light, region, flat, part, cell, finished, run;
+        general_tested, survey, light, region, flat, part, cell, finished, run, taps[RASTER_TAPS_COUNT];
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -273,6 +273,22 @@ static void fit_shading(struct table *t, const struct lines *all)
     fit_free(&f);
 }
 
+/* What fewer taps save for certain. */
+static void fit_taps(struct table *t, const struct lines *all)
+{
+    double of_eight = 0;
+    bool regular = false;
+    for (int k = RASTER_TAPS_4; k < RASTER_TAPS_COUNT; k++)
+        t->taps[k] = t->shading[RASTER_SHADE_HALF_VECTOR].lit;
+    for (size_t i = 0; i < all->count; i++) {
+        const struct line *l = &all->line[i];
+        if (is(l, "shade"))
+            of_eight = l->ticks, regular = is_regular(l) && l->v[5] >= LARGE;
+        else if (is(l, "taps") && regular)
+            t->taps[(int)l->v[0]] = fmin(t->taps[(int)l->v[0]], fmax((of_eight - l->ticks) / l->v[1], 0));
+    }
+}
+
 /* Clearing, surveys and packing. */
 static void fit_packing(struct table *t, const struct lines *all)
 {
@@ -364,6 +380,7 @@ static void print_table(const struct table *t, const char *target)
     print_cost("finished", t->finished);
     print_cost("run", t->run);
     print_cost("plan", PLAN);
+    printf("    .taps = {0, %.0f, %.0f},\n", floor(16 * t->taps[RASTER_TAPS_4]), floor(16 * t->taps[RASTER_TAPS_1]));
     printf("    .shading =\n        {\n");
     for (int k = 0; k < RASTER_SHADE_COUNT; k++)
         printf("            [RASTER_SHADE_%s] = {%.0f, %.0f, %.0f, %.0f, %.0f, %.0f},\n", shading[k],
@@ -383,6 +400,7 @@ int main(int argc, char **argv)
     fit_general(&t, &all);
     fit_flat(&t, &all);
     fit_shading(&t, &all);
+    fit_taps(&t, &all);
     fit_packing(&t, &all);
     fit_rows(&t, &all);
     print_table(&t, argv[1]);

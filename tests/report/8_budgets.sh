@@ -4,7 +4,9 @@
 names=(matte_white plastic_red gold plastic_blue_rough copper_satin satin_green)
 kinds=(half_vector_{256K,64K,16K,4K,1K} specular_frame_361x181 lafortune_phong blinn_phong ggx) targets=(cortex-m7 cortex-m4 cortex-m3)
 [ -z "$QUICK" ] || { kinds=(half_vector_{64K,1K}); targets=(); }
-rates=(1x1 2x1 2x2 4x2 4x4 flat)
+rates=(1x1 2x1 2x2 4x2 4x4 flat) taps=("" /4 /1)
+rungs=() # of half-vector tables; others have those of all taps
+for a in "${taps[@]}"; do for r in "${rates[@]}"; do [ -n "$a" ] && [ $r = flat ] || rungs+=("$r$a"); done; done
 
 # $work/KIND: scene.blob, and 0.ktx2 to 5.ktx2 or 0.json to 5.json, the fits of a model.
 one() { # KIND INDEX NAME
@@ -50,21 +52,22 @@ done >"$work/jobs"
 
 csv=$OUT/8_budgets.csv
 # Pixel-lights that full quality evaluates: the same for all.
-lit=$(awk '$2 == 0 { print $8 }' "$work/${kinds[0]}/${targets[0]-cortex-m7}.counts" 2>"$work/log" || true)
+lit=$(awk '$2 == 0 && !$4 { print $10 }' "$work/${kinds[0]}/${targets[0]-cortex-m7}.counts" 2>"$work/log" || true)
 {
     echo 'target,representation,bytes,rate,per_pixel_light,unit,de_mean,psnr,largest_error,on_front'
     for n in "${!kinds[@]}"; do
         kind=${kinds[n]} bytes=56 # a material in a scene file
         [ ! -e "$work/$kind/2.ktx2" ] || bytes=$("$B/gtlut" info "$work/$kind/2.ktx2" | awk '$1 == "texels:" { print $2 * $4 * $6 * 4 }')
-        for r in "${!rates[@]}"; do
-            read -r _ _ _ _ hash _ ns _ de _ psnr _ largest < <(grep "^$n rate $r " "$work/errors")
-            echo "x86-64,$kind,$bytes,${rates[r]},$ns,ns,$de,$psnr,$largest"
+        while read -r _ _ r _ a _ hash _ ns _ de _ psnr _ largest; do
+            rung=${rates[r]}${taps[a]}
+            [[ $rung != flat/* ]] || continue
+            echo "x86-64,$kind,$bytes,$rung,$ns,ns,$de,$psnr,$largest"
             for target in "${targets[@]}"; do
-                read -r _ _ _ shading _ _ _ _ _ board < <(awk -v r="$r" '$2 == r' "$work/$kind/$target.counts")
-                [ "$board" = "$hash" ] || { echo "report: $target: $kind ${rates[r]}: another picture than on x86-64" >&2; exit 1; }
-                echo "$target,$kind,$bytes,${rates[r]},$(awk -v a="$shading" -v b="$lit" 'BEGIN { printf "%.1f", a / b }'),instructions,$de,$psnr,$largest"
+                read -r _ _ _ _ _ shading _ _ _ _ _ board < <(awk -v r="$r" -v a="$a" '$2 == r && $4 == a' "$work/$kind/$target.counts")
+                [ "$board" = "$hash" ] || { echo "report: $target: $kind $rung: another picture than on x86-64" >&2; exit 1; }
+                echo "$target,$kind,$bytes,$rung,$(awk -v a="$shading" -v b="$lit" 'BEGIN { printf "%.1f", a / b }'),instructions,$de,$psnr,$largest"
             done
-        done
+        done < <(grep "^$n " "$work/errors")
     done | sort -t, -k1,1 -k5,5g -k7,7g | awk -F, '
         # By cost: on the front is what errs less than all that is cheaper.
         $1 != target { target = $1; least = 1e9 } { on = $7 < least; if (on) least = $7; print $0 "," on }'
@@ -77,7 +80,8 @@ ladder=half_vector_64K
 for target in x86-64 "${targets[@]}"; do
     unit=$(awk -F, -v t="$target" '$1 == t { print $6; exit }' "$csv")
     for kind in "${kinds[@]}"; do
-        grep "^$target,$kind," "$csv" >"$work/$kind.points" || true
+        grep "^$target,$kind,.*,[0-9]*,[0-9x]*\(flat\)\?," "$csv" >"$work/$kind.points" || true # of all taps
+        grep "^$target,$kind,.*/[41]," "$csv" >"$work/$kind.fewer" || true
     done
     # Cheapest first; a step to each.
     awk -F, -v OFS=, -v t="$target" '$1 == t && $10 == 1 { if (n++) print $5, last; print $5, $7; last = $7 }' "$csv" >"$work/front"
@@ -93,7 +97,9 @@ $(for n in "${!kinds[@]}"; do
         echo "    '$work/${kinds[n]}.points' using 5:7 with linespoints lw 1 pt 7 ps 0.5 lc rgb '${colours[n]}' title '$(label "${kinds[n]}")', \\"
     done)
     '$work/$ladder.points' using 5:7 with points pt 6 ps 1.6 lw 2 lc rgb '#222222' title 'the ladder', \\
-    '$work/$ladder.points' using 5:7:4 with labels offset -1.1,-0.6 right font ',12' notitle
+    '$work/$ladder.points' using 5:7:4 with labels offset -1.1,-0.6 right font ',12' notitle, \\
+    '$work/$ladder.fewer' using 5:7 with points pt 4 ps 1.1 lw 1.5 lc rgb '#222222' title '... by 4 taps or 1', \\
+    '$work/$ladder.fewer' using 5:7:(\$5 > $(awk -F, '$4 == "2x1/1" { print $5 }' "$work/$ladder.fewer") ? strcol(4) : '') with labels offset -1.1,-0.6 right font ',10' notitle
 GNUPLOT
 done
 
@@ -120,9 +126,9 @@ at full rate and finest levels of detail, over pixels that show a model, but for
 
 $(for target in "${targets[@]}" x86-64; do printf '![speed against error, %s](8_%s.svg)\n\n' "$target" "$target"; done)
 
-The ladder, what budgets choose from tile by tile and class by class of surfaces, is all rates of the table that a material has; here of 64 KB. Stars: on the front.
+The ladder, what budgets choose from tile by tile and class by class of surfaces, is all rates of the table that a material has, by all of its 8 texels a look-up, by the 4 of the nearer azimuth (/4) or by the nearest one (/1), which a tile has in common; here of 64 KB. Stars: on the front.
 
-$(awk -F, -v k=$ladder -v rates="${rates[*]}" '
+$(awk -F, -v k=$ladder -v rates="${rungs[*]}" '
     $2 == k { cost[$4, $1] = $5 ($10 ? " \\*" : ""); de[$4] = $7; psnr[$4] = $8; worst[$4] = $9; if (!seen[$1]++) name[++n] = $1 }
     END { line = "rate"; for (i = 1; i <= n; i++) line = line "," name[i]; print line ",mean dE,PSNR dB,largest error"
         m = split(rates, r, " "); for (j = 1; j <= m; j++) { line = r[j]; for (i = 1; i <= n; i++) line = line "," cost[r[j], name[i]]; print line "," de[r[j]] "," psnr[r[j]] "," worst[r[j]] } }' "$csv" | markdown_table)
@@ -141,7 +147,6 @@ $(for kind in "${kinds[@]}"; do
     case $kind in half_vector* | specular_frame*) continue ;; esac
     echo "- *$(label $kind)* takes $(ratio "$(value "$main" $kind 1x1 5)" "$full") of it and errs $(value "$main" $kind 1x1 7). The ladder's $(instead "$main" $kind). Another model instead of the table would also change the material's colour from tile to tile."
 done)
-- *Fewer taps* (4 or 1 instead of 8 texels a look-up) are a study of which no program is left: DESIGN.md, "Rungs of shading", has its figures.
 $([ -n "$QUICK" ] || printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -n 1 tests/bench/de03_rows.sh 2>"$work/de03.log" >"$work/de03" || cat "$work/de03.log" >&2
 [ ! -s "$work/de03" ] || { cat <<'TEXT'
 

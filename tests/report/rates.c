@@ -4,7 +4,7 @@
  *   report_rates SCENE.blob SOURCE... / OTHER.blob [TABLE.ktx2...] [/ ...]
  *
  * The truth is the scene (its finest levels of detail, tests/reference) with material i reflecting as SOURCE i, which gtlut build takes. Compared with it is each OTHER, the same scene with other materials, its tables in slots 0, 1, ..., all surfaces at each
- * rate. A line for each: `N rate R hash H ns T de_mean D psnr P largest E`: N from 0 on, H of the picture as tests/board/budget/main.c prints it;
+ * rate and, of half-vector tables, with all taps and fewer. A line for each: `N rate R taps A hash H ns T de_mean D psnr P largest E`: N from 0 on, A as enum raster_taps, H of the picture as tests/board/budget/main.c prints it;
  * errors of 8-bit colours over the pixels that show a surface away from its object's edge; T: of shading on this machine, per pixel-light
  * that is lit, the fastest of some frames.
  */
@@ -159,10 +159,10 @@ static void truth_render(struct picture_scene *s, const struct brdf_source *sour
 /* --- what is compared with it --- */
 
 /* A frame, all surfaces at a rate. Returns nanoseconds of shading; *lit: pixel-lights. */
-static double render(uint8_t *rgb, uint32_t *lit, const struct raster *r, enum raster_rate rate)
+static double render(uint8_t *rgb, uint32_t *lit, const struct raster *r, enum raster_rate rate, enum raster_taps taps)
 {
     static struct raster_tile work;
-    struct raster_quality q = {.lights = RASTER_ALL_LIGHTS};
+    struct raster_quality q = {.lights = RASTER_ALL_LIGHTS, .taps = (uint8_t)taps};
     struct timespec a, b;
     double ns = 0;
     memset(q.rate, (int)rate, sizeof q.rate);
@@ -240,16 +240,19 @@ static void compare(int number, const struct picture_scene *s)
     const enum raster_status status = raster_begin(&r, &f, arena, bytes);
     if (status != RASTER_OK)
         die(EXIT_BAD_INPUT, "scene %d: %s", number, raster_status_text(status));
+    const bool table = s->slots[0] && s->slots[0]->kind == LUT_HALF_VECTOR;
     double lit_at_full = 0;
-    for (enum raster_rate rate = RASTER_RATE_1X1; rate < RASTER_RATE_COUNT; rate++) {
+    for (int rung = 0; rung < (table ? RASTER_TAPS_COUNT : 1) * RASTER_RATE_COUNT; rung++) {
+        const enum raster_rate rate = (enum raster_rate)(rung % RASTER_RATE_COUNT);
+        const enum raster_taps taps = (enum raster_taps)(rung / RASTER_RATE_COUNT);
         double ns = INFINITY;
         uint32_t lit, hash = 2166136261u; /* FNV-1a */
         for (int i = 0; i < REPEATS; i++)
-            ns = fmin(ns, render(rgb, &lit, &r, rate));
+            ns = fmin(ns, render(rgb, &lit, &r, rate, taps));
         for (int i = 0; i < 3 * PIXELS; i++)
             hash = (hash ^ rgb[i]) * 16777619u;
-        lit_at_full = rate ? lit_at_full : lit;
-        printf("%d rate %d hash %08x ns %.2f", number, (int)rate, hash, ns / lit_at_full);
+        lit_at_full = rung ? lit_at_full : lit;
+        printf("%d rate %d taps %d hash %08x ns %.2f", number, (int)rate, (int)taps, hash, ns / lit_at_full);
         print_errors(rgb);
     }
     free(arena);

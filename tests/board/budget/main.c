@@ -9,8 +9,8 @@
  *                                                               binning included; the least budget
  *   half|quarter|given budget N lod N coarse N spent N shading N frame N own N squares N   per tile; per frame: ticks, what of them is beyond `fixed`, those of a frame
  *                                                               with culling and binning, squared errors summed; the picture is left behind the full one
- * or of that scene with all surfaces at one rate, for each:
- *   rate N shading N samples N lit N hash H                     ticks; surfaces and pixel-lights evaluated; of the picture
+ * or of that scene with all surfaces at one rate, for each, of half-vector tables also with fewer taps:
+ *   rate N taps N shading N samples N lit N hash H              ticks; surfaces and pixel-lights evaluated; of the picture
  */
 #include "board.h"
 #include "budget.h"
@@ -159,7 +159,7 @@ static struct frame render(uint32_t mean, bool compare, bool backward)
         tiles++;
         over += report.spent > report.share;
         coarse += report.coarse;
-        f.reduced |= report.coarsest || report.coarse || report.lights != RASTER_ALL_LIGHTS;
+        f.reduced |= budget_reduced(&report);
         add(&ratios, report.spent, report.predicted);
     }
     if (!mean)
@@ -222,9 +222,9 @@ struct steps {
 };
 
 /* A frame with all surfaces at a rate, step by step, into board_picture. */
-static struct steps render_steps(enum raster_rate rate)
+static struct steps render_steps(enum raster_rate rate, enum raster_taps taps)
 {
-    struct raster_quality q = {.lights = RASTER_ALL_LIGHTS};
+    struct raster_quality q = {.lights = RASTER_ALL_LIGHTS, .taps = (uint8_t)taps};
     struct steps s = {0};
     const uint32_t start = board_clock();
     for (uint32_t i = 0; i < RASTER_CLASSES; i++)
@@ -259,11 +259,14 @@ static void rates(void)
 {
     open_scene(0);
     checked(begin(0) == RASTER_OK, "no frame");
-    const uint32_t packing = render_steps(RASTER_RATE_FLAT).finish;
-    for (uint32_t rate = 0; rate < RASTER_RATE_COUNT; rate++) {
-        const struct steps s = render_steps((enum raster_rate)rate);
+    const uint32_t packing = render_steps(RASTER_RATE_FLAT, RASTER_TAPS_8).finish;
+    const bool table = slots[0] && slots[0]->kind == LUT_HALF_VECTOR;
+    for (uint32_t rung = 0; rung < (table ? RASTER_TAPS_COUNT : 1u) * RASTER_RATE_COUNT; rung++) {
+        const uint32_t rate = rung % RASTER_RATE_COUNT, taps = rung / RASTER_RATE_COUNT;
+        const struct steps s = render_steps((enum raster_rate)rate, (enum raster_taps)taps);
         report_text("rate");
         report_number("", rate);
+        report_number("taps", taps);
         report_number("shading", s.shade + s.finish - packing);
         report_number("samples", s.samples);
         report_number("lit", s.lit);
@@ -304,7 +307,7 @@ static void picture(void)
     open_scene(0);
     const uint32_t ticks = frame_ticks(0);
     checked(begin(0) == RASTER_OK, "no frame");
-    const struct steps s = render_steps(RASTER_RATE_1X1);
+    const struct steps s = render_steps(RASTER_RATE_1X1, RASTER_TAPS_8);
     const uint32_t fixed = s.rest + s.finish, given = input()->frames;
     report_text("full");
     report_number("fixed", fixed);

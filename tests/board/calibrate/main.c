@@ -5,6 +5,7 @@
  *   survey TICKS clear lights                                           one tile; what clearing it took
  *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
  *   point TICKS ...                                                     ... under point lights alone
+ *   taps TICKS taps lit                                                 the last of these tiles by fewer taps
  *   finish TICKS covered shading row_pixels row_lights pixels row_runs runs             one tile; shading and pixels of what is shaded in rows
  *   end hash H                                                          of all pixels: the same on every target
  * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: four uint32_t, how many bytes blob, half-vector table and
@@ -26,7 +27,8 @@ static struct scene_camera camera;
 static struct raster raster;
 static struct raster_tile work;
 static uint32_t hash = REPORT_HASH_START; /* of all pixels */
-static uint32_t stride = 3;               /* of tiles */
+static enum raster_taps taps;
+static uint32_t stride = 3; /* of tiles */
 static bool measures = true;
 
 /* One tick for each row: what bound.h counts is their number. */
@@ -198,6 +200,7 @@ static uint32_t shade(const struct raster_survey *s, const struct raster_rect *r
     for (uint32_t i = 0; i < RASTER_CLASSES; i++)
         q.rate[i] = (uint8_t)rate;
     q.lights = RASTER_ALL_LIGHTS;
+    q.taps = (uint8_t)taps;
     *blocks = 0;
     for (uint32_t region = 0; region < regions; region++) {
         const uint32_t before = *blocks;
@@ -249,6 +252,14 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     hash = report_hash(hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
     if (!measures)
         return;
+    if (taps) {
+        report_text("taps");
+        report_number("", ticks);
+        report_number("", taps);
+        report_number("", shaded.shaded);
+        report_text("\n");
+        return;
+    }
     if (print) {
         report_text("survey");
         report_number("", surveyed);
@@ -342,8 +353,13 @@ _Noreturn void board_main(void)
                                        : set_lights(0, 4),
                           !measures && c % 2 ? 4 : 1);
                     const bool print = measures && shading == 0 && rate == 0 && light == 0;
-                    for (uint32_t t = c; t < raster_tile_count(&raster); t += stride)
+                    const bool fewer = shading == RASTER_SHADE_HALF_VECTOR && raster.directional;
+                    for (uint32_t t = c; t < raster_tile_count(&raster); t += stride) {
                         tile(t, (enum raster_shading)shading, (enum raster_rate)rate, print);
+                        for (taps = RASTER_TAPS_4; fewer && taps < RASTER_TAPS_COUNT; taps++)
+                            tile(t, (enum raster_shading)shading, (enum raster_rate)rate, false);
+                        taps = RASTER_TAPS_8;
+                    }
                 }
         }
     }
