@@ -26,7 +26,7 @@ static const struct raster_costs costs_cortex_m7 = {
     .finished = 197,
     .run = 1315,
     .plan = 432000,
-    .taps = {0, 0, 0},
+    .taps = {0, 144, 400},
     .shading =
         {
             [RASTER_SHADE_HALF_VECTOR] = {31196, 4329, 1860, 129, 16603, 80238},

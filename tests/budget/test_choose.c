@@ -7,6 +7,7 @@
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -187,6 +188,45 @@ static void too_few_ticks_choose_the_cheapest_rates(void **unused)
     }
 }
 
+/* A tile's materials, some of which fewer taps make cheaper: each by its own least sum of error and ticks at the price. */
+static void prices_say_rates_and_taps(void **unused)
+{
+    static const uint32_t least_taps[BUDGET_PRICES] = {0, 1, 2, 2, 2, 2};
+    (void)unused;
+    state = 5;
+    for (unsigned n = 0; n < 2000; n++) {
+        struct budget_class c[RASTER_CLASSES] = {0};
+        uint32_t ticks[BUDGET_PRICES], count = 1 + n % RASTER_CLASSES;
+        draw_tile(c, count);
+        for (uint32_t i = 0; i < count; i++) {
+            c[i].saved[RASTER_TAPS_4] = n % 2 ? draw(20 << RASTER_COST_BITS) : 0;
+            c[i].saved[RASTER_TAPS_1] = 2 * c[i].saved[RASTER_TAPS_4];
+            for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
+                c[i].samples[rate] = c[i].ticks[rate] / 50;
+        }
+        budget_ticks_at_prices(ticks, c, count);
+        for (uint32_t price = 0; price < BUDGET_PRICES; price++) {
+            double low = 0, high = 0; /* of equal sums either may be taken */
+            for (uint32_t i = 0; i < count; i++) {
+                double takes[RASTER_RATE_COUNT], sum[RASTER_RATE_COUNT], best = INFINITY, lo = INFINITY, hi = 0;
+                for (int rate = 0; rate < RASTER_RATE_COUNT; rate++) {
+                    takes[rate] = c[i].ticks[rate] - c[i].samples[rate] * c[i].saved[least_taps[price]] / 16.0;
+                    sum[rate] = c[i].error[rate] + takes[rate] * pow(16, price) / 256;
+                    best = fmin(best, sum[rate]);
+                }
+                for (int rate = 0; rate < RASTER_RATE_COUNT; rate++)
+                    if (sum[rate] <= best + fmax(1, pow(16, price) / 256) * 2) { /* whole units of either */
+                        lo = fmin(lo, takes[rate]);
+                        hi = fmax(hi, takes[rate]);
+                    }
+                low += lo, high += hi;
+            }
+            assert_true(ticks[price] >= low - 1 && ticks[price] <= high + count);
+            assert_true(!price || ticks[price] <= ticks[price - 1]);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -194,6 +234,7 @@ int main(void)
         cmocka_unit_test(more_materials_get_almost_the_optimum),
         cmocka_unit_test(enough_ticks_leave_every_rate_full),
         cmocka_unit_test(too_few_ticks_choose_the_cheapest_rates),
+        cmocka_unit_test(prices_say_rates_and_taps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

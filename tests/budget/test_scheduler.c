@@ -26,6 +26,7 @@ static struct {
     uint32_t frames;
     uint64_t own, budget; /* ticks of deciding, of budgets, in these */
     uint32_t tiles, over, coarse;
+    uint64_t fetches, shaded;
 } seen;
 
 static int compare(const void *a, const void *b)
@@ -84,6 +85,17 @@ static struct sim_device *device_with_tables(void)
     return d;
 }
 
+static struct sim_device *device_with_six_models(void)
+{
+    static const char *const names[] = {"matte_white",        "plastic_red",  "gold",
+                                        "plastic_blue_rough", "copper_satin", "satin_green"};
+    struct sim_device *d = device();
+    push_file(d, 0, getenv("GONIOTILE_SIX_MODELS"));
+    for (uint32_t i = 0; i < 6; i++)
+        push_table(d, i + 1, names[i]);
+    return d;
+}
+
 static void push_scene(struct sim_device *d, enum scenes_kind kind, uint32_t seed)
 {
     struct usb_header h;
@@ -117,13 +129,15 @@ static uint64_t render(struct sim_device *d, uint32_t budget, uint8_t *picture)
         }
         spent += t.spent;
         own += t.own;
-        reduced |= t.coarsest || t.coarse || t.lights != RASTER_ALL_LIGHTS;
+        reduced |= budget_reduced(&t);
         for (uint32_t y = 0; picture && y < rect.height; y++)
             memcpy(picture + 3 * ((rect.y + y) * WIDTH + rect.x), raster_tile_pixels(&f->work) + 3 * y * rect.width,
                    3 * rect.width);
         if (!budget)
             continue;
         seen.tiles++;
+        seen.fetches += stats.fetches;
+        seen.shaded += stats.shaded;
         seen.coarse += t.coarse;
         if (t.spent > t.share) {
             seen.over++;
@@ -222,6 +236,15 @@ static void generous_budgets_change_no_pixel(void **unused)
     sim_device_destroy(d);
 }
 
+/* RMS, in 8-bit steps. */
+static double difference(const uint8_t *a, const uint8_t *b)
+{
+    double sum = 0;
+    for (int i = 0; i < PICTURE; i++)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sqrt(sum / PICTURE);
+}
+
 static void larger_budgets_err_less(void **unused)
 {
     static uint8_t full[PICTURE], picture[PICTURE];
@@ -231,16 +254,40 @@ static void larger_budgets_err_less(void **unused)
     const uint32_t least = least_budget(d), most = (uint32_t)(render(d, 0, full) / 40);
     double before = INFINITY;
     for (uint32_t part = 1; part <= 8; part *= 2) {
-        double sum = 0;
         render(d, least + (most - least) / 8 * part, picture);
         render(d, least + (most - least) / 8 * part, picture); /* the first one learns */
-        for (int i = 0; i < PICTURE; i++)
-            sum += (full[i] - picture[i]) * (full[i] - picture[i]);
-        printf("# %u of 8 parts: %.2f dB\n", part, 10 * log10(255.0 * 255 * PICTURE / sum));
-        assert_true(sum <= before * 1.1);
-        before = sum;
+        const double error = difference(full, picture);
+        printf("# %u of 8 parts: %.2f dB\n", part, 20 * log10(255 / error));
+        assert_true(error <= before * 1.05);
+        before = error;
     }
     sim_device_destroy(d);
+}
+
+/* The six models in a little less than they take: fewer taps, where the program has them, err less than coarser cells alone. */
+static void fewer_taps_come_before_coarser_cells(void **unused)
+{
+    static uint8_t full[PICTURE], picture[PICTURE];
+    double squares[2] = {0};
+    (void)unused;
+    for (int without = 0; without < 2; without++) {
+        struct sim_device *d = device_with_six_models();
+        struct raster_parts parts = *d->app.config.parts;
+        parts.fewer_taps = without ? NULL : parts.fewer_taps;
+        d->app.config.parts = &parts;
+        const uint32_t most = (uint32_t)(render(d, 0, full) / 40);
+        clear_seen();
+        for (uint32_t part = 100; part >= 90; part--) {
+            for (int i = 0; i < 3; i++) /* the first ones learn */
+                render(d, most / 100 * part, picture);
+            squares[without] += difference(full, picture) * difference(full, picture);
+        }
+        printf("# %s fewer taps: %.2f dB, %.3f texels for each pixel and light\n", without ? "without" : "with",
+               20 * log10(255) - 10 * log10(squares[without] / 11), (double)seen.fetches / (double)seen.shaded);
+        assert_true(without ? seen.fetches == 8 * seen.shaded : seen.fetches < 7 * seen.shaded);
+        sim_device_destroy(d);
+    }
+    assert_true(squares[0] < 0.9 * squares[1]);
 }
 
 /* Counts up by 10 a call; a call behind which an interrupt takes its time counts that, too. */
@@ -395,14 +442,6 @@ static void orbit(struct sim_device *d, uint32_t frame)
     c->eye[2] = (q16_16_t)lrint(-s * from->eye[0] + cosine * from->eye[2]);
 }
 
-static double difference(const uint8_t *a, const uint8_t *b)
-{
-    double sum = 0;
-    for (int i = 0; i < PICTURE; i++)
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    return sqrt(sum / PICTURE);
-}
-
 static void write_ppm(const uint8_t *picture, unsigned budget, unsigned frame)
 {
     const char *folder = getenv("GONIOTILE_SHEETS");
@@ -423,12 +462,7 @@ static void an_animation_does_not_pop(void **unused)
     static const double parts[] = {0.75, 0.5, 0.25}; /* of what shading takes beyond the least */
     static uint8_t full[2][PICTURE], tight[2][PICTURE];
     (void)unused;
-    struct sim_device *d = device();
-    push_file(d, 0, getenv("GONIOTILE_SIX_MODELS"));
-    static const char *const names[] = {"matte_white",        "plastic_red",  "gold",
-                                        "plastic_blue_rough", "copper_satin", "satin_green"};
-    for (uint32_t i = 0; i < 6; i++)
-        push_table(d, i + 1, names[i]);
+    struct sim_device *d = device_with_six_models();
     const uint32_t most = (uint32_t)(render(d, 0, NULL) / 40), least = least_budget(d);
     for (uint32_t n = 0; n < 3; n++) {
         const uint32_t budget = least + (uint32_t)((most - least) * parts[n]);
@@ -469,6 +503,7 @@ int main(void)
         cmocka_unit_test(hard_scenes_keep_to_budgets_that_are_halved_until_refused),
         cmocka_unit_test(generous_budgets_change_no_pixel),
         cmocka_unit_test(larger_budgets_err_less),
+        cmocka_unit_test(fewer_taps_come_before_coarser_cells),
         cmocka_unit_test(a_tile_that_takes_all_that_is_left_is_charged_with_it),
         cmocka_unit_test(the_host_sets_budgets_and_reads_what_they_cost),
         cmocka_unit_test(firmware_without_budgets_refuses_any),
