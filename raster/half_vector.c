@@ -74,11 +74,11 @@ static inline void row_plain(uint32_t s[3], const uint32_t *low, const uint32_t 
 {
     s[0] = s[1] = s[2] = 0;
     tap(s, low[0], w->low0, exponent);
-    tap(s, high[0], w->high0, exponent);
-    if (taps == RASTER_TAPS_8) {
+    if (taps == RASTER_TAPS_8)
         tap(s, low[1], w->low1, exponent);
+    tap(s, high[0], w->high0, exponent);
+    if (taps == RASTER_TAPS_8)
         tap(s, high[1], w->high1, exponent);
-    }
 }
 
 /* The same of one channel from the re-packed copy, whose words have both planes' 15 bits. */
@@ -113,8 +113,10 @@ static inline void add(uint32_t *radiance, uint32_t a, uint32_t b, const struct 
     add_sum(radiance, fx_mulhi_u(a, s->row[0]) + fx_mulhi_u(b, s->row[1]), s, colour);
 }
 
-static inline void add_plain(uint32_t c[3], const struct lut_table *t, const struct place *o, uint32_t ratio,
-                             const struct half_vector_constants *k, enum raster_taps taps)
+__attribute__((always_inline)) static inline void add_plain(uint32_t c[3], const struct lut_table *t,
+                                                            const struct place *o, uint32_t ratio,
+                                                            const struct half_vector_constants *k,
+                                                            enum raster_taps taps)
 {
     const struct weights w = taps == RASTER_TAPS_8 ? weights_find(o) : weights_of_four(o);
     const uint32_t *low = t->texels + (o->d * t->height + o->h) * t->width + o->t, *high = low + t->height * t->width;
@@ -127,8 +129,10 @@ static inline void add_plain(uint32_t c[3], const struct lut_table *t, const str
         add(&c[j], a[j], b[j], &s, k->colour[j]);
 }
 
-static inline void add_packed(uint32_t c[3], const struct lut_table *t, const struct place *o, uint32_t ratio,
-                              const struct half_vector_constants *k, enum raster_taps taps)
+__attribute__((always_inline)) static inline void add_packed(uint32_t c[3], const struct lut_table *t,
+                                                             const struct place *o, uint32_t ratio,
+                                                             const struct half_vector_constants *k,
+                                                             enum raster_taps taps)
 {
     const struct weights w = taps == RASTER_TAPS_8 ? weights_find(o) : weights_of_four(o);
     const uint32_t record = t->slabs[o->d * (t->height - 1) + o->h];
@@ -139,8 +143,9 @@ static inline void add_packed(uint32_t c[3], const struct lut_table *t, const st
 }
 
 /* With one tap. */
-static inline void add_nearest(uint32_t c[3], const struct lut_table *t, const struct place *o, uint32_t ratio,
-                               const struct half_vector_constants *k, bool packed)
+__attribute__((always_inline)) static inline void add_nearest(uint32_t c[3], const struct lut_table *t,
+                                                              const struct place *o, uint32_t ratio,
+                                                              const struct half_vector_constants *k, bool packed)
 {
     const uint32_t row = o->hf >> 31, plane = o->fd >> 13, cell = o->d * (t->height - 1) + o->h;
     const uint32_t exponent = packed ? t->slabs[cell] & 255 : t->cells[cell];
