@@ -50,17 +50,17 @@ struct raster_fewer_taps {
 /* What is used for tables with and without a re-packed copy. */
 #ifdef RASTER_ARM
 #define HALF_VECTOR_PACKED       raster_half_vector_arm
-#define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_packed
+#define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_arm
 #elif defined(RASTER_WIDE)
 #define HALF_VECTOR_PACKED       raster_half_vector_wide
-#define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_packed
+#define HALF_VECTOR_FEWER_PACKED raster_half_vector_wide
 #else
 #define HALF_VECTOR_PACKED       raster_half_vector_packed
 #define HALF_VECTOR_FEWER_PACKED raster_half_vector_fewer_packed
 #endif
 #ifdef RASTER_WIDE
 #define HALF_VECTOR_PLAIN       raster_half_vector_wide
-#define HALF_VECTOR_FEWER_PLAIN raster_half_vector_fewer_plain
+#define HALF_VECTOR_FEWER_PLAIN raster_half_vector_wide
 #else
 #define HALF_VECTOR_PLAIN       raster_half_vector_plain
 #define HALF_VECTOR_FEWER_PLAIN raster_half_vector_fewer_plain

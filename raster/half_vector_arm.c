@@ -11,11 +11,13 @@
 #define LOOP_MAX_H LUT_MAX_H
 #endif
 
-uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
-                                const struct raster_block_light *light)
+/* By the loop, and by portable C of as many taps. Inline: so a program is linked with no loop that it does not ask for. */
+__attribute__((always_inline)) static inline uint32_t
+shade(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
+      const struct raster_block_light *light, raster_half_vector_pixels *loop, raster_half_vector *portable)
 {
     if (table->height > LOOP_MAX_H)
-        return raster_half_vector_plain(b, first, end, table, light);
+        return portable(b, first, end, table, light);
     const struct half_vector_constants c = half_vector_constants_find(table, light);
     const struct half_vector_loop k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
                                        .half = (1u << 21) - 64,
@@ -27,14 +29,28 @@ uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t
                                        .end = &b->pixel[end]};
     uint32_t lit = end - first;
     for (uint32_t i = first; i < end; i++) {
-        const uint64_t out = raster_half_vector_loop(&b->pixel[i], b->radiance[i], light, &k);
+        const uint64_t out = loop(&b->pixel[i], b->radiance[i], light, &k);
         const struct raster_batch_pixel *bright = (const struct raster_batch_pixel *)(uintptr_t)(uint32_t)out;
         lit -= (uint32_t)(out >> 32);
         i = (uint32_t)(bright - b->pixel);
         if (i < end)
-            raster_half_vector_plain(b, i, i + 1, table, light);
+            portable(b, i, i + 1, table, light);
     }
     return lit;
+}
+
+uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
+                                const struct raster_block_light *light)
+{
+    return shade(b, first, end, table, light, raster_half_vector_loop, raster_half_vector_plain);
+}
+
+uint32_t raster_half_vector_fewer_arm(struct raster_batch *b, uint32_t first, uint32_t end,
+                                      const struct lut_table *table, const struct raster_block_light *light)
+{
+    return shade(b, first, end, table, light,
+                 b->taps == RASTER_TAPS_1 ? raster_half_vector_loop_one : raster_half_vector_loop_four,
+                 raster_half_vector_fewer_plain);
 }
 
 #endif

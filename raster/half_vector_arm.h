@@ -27,7 +27,10 @@ _Static_assert(sizeof(void *) != 4 ||
 /* Out: in the low word the end, or the first pixel whose cell is brighter than the scale's top; in the high word how many before it
  * the light does not reach. With DSP instructions H <= 64, so that the warp's coordinates are positive as 16-bit numbers. A step of
  * the warp is loaded as one unaligned word. */
-extern uint64_t raster_half_vector_loop(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
-                                        const struct raster_block_light *light, const struct half_vector_loop *k);
+typedef uint64_t raster_half_vector_pixels(const struct raster_batch_pixel *pixel, uq12_20_t *radiance,
+                                           const struct raster_block_light *light, const struct half_vector_loop *k);
+extern raster_half_vector_pixels raster_half_vector_loop;      /* by 8 taps */
+extern raster_half_vector_pixels raster_half_vector_loop_four; /* by 4 */
+extern raster_half_vector_pixels raster_half_vector_loop_one;
 
 #endif

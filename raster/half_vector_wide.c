@@ -1,5 +1,6 @@
 /*
- * The half-vector table over a block, eight pixels at once (wide.h): the bits of half_vector.c.
+ * The half-vector table over a block, eight pixels at once (wide.h): the bits of half_vector.c, by as many taps as the batch says. With
+ * fewer, the same texels are read, some of them for a weight of 0.
  */
 #if defined(__AVX2__)
 #include "half_vector.h"
@@ -80,13 +81,30 @@ static void cell_find(struct half_vector_lanes *o, const struct lut_table *t, co
     }
 }
 
-/* What sums are multiplied by. Returns the shifts. */
+/* Leaves the weight of node t to the nearer of the two and, with one tap, that of d and hf likewise: hf as a mask. */
+static void nearest_find(struct half_vector_lanes *o, const struct lut_table *t, enum raster_taps taps)
+{
+    for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
+        const wide t1 = wide_below(wide_all((1u << 9) - 1), o->t2[i] * (t->width - 1) & 1023);
+        wide high = o->term[i] >> (TERM_D_BITS - 14) & 0x3fff;
+        if (taps == RASTER_TAPS_1) {
+            high = high >> 13 << 14;
+            o->hf[i] = wide_shift_signed(o->hf[i], 31);
+        }
+        o->high1[i] = high & t1;
+        o->high0[i] = high & ~t1;
+        o->low1[i] = ((1u << 14) - high) & t1;
+        o->low0[i] = ((1u << 14) - high) & ~t1;
+    }
+}
+
+/* What sums are multiplied by. Returns the shifts. With one tap a sum is M << 14, and scale/4 a whole number. */
 static inline wide scale_find(struct half_vector_lanes *o, uint32_t i, wide exponent,
-                              const struct half_vector_constants *c)
+                              const struct half_vector_constants *c, enum raster_taps taps)
 {
     const wide shift = (uint32_t)c->top - exponent, scale = o->ratio[i] << 16 >> (shift & 31);
-    o->scale1[i] = wide_mulhi(scale, o->hf[i]);
-    o->scale0[i] = scale - o->scale1[i];
+    o->scale1[i] = taps == RASTER_TAPS_1 ? scale & ~3u & o->hf[i] : wide_mulhi(scale, o->hf[i]);
+    o->scale0[i] = (taps == RASTER_TAPS_1 ? scale & ~3u : scale) - o->scale1[i];
     return shift;
 }
 
@@ -139,7 +157,7 @@ static void plain_shade(struct raster_batch *b, struct half_vector_lanes *o, str
         couples_add(s[0], &row[1][i], o->cell[i], o->high0[i], o->high1[i]);
         couples_add(s[1], &row[2][i], o->cell[i], o->low0[i], o->low1[i]);
         couples_add(s[1], &row[3][i], o->cell[i], o->high0[i], o->high1[i]);
-        scale_find(o, i, o->cell[i], c);
+        scale_find(o, i, o->cell[i], c, (enum raster_taps)b->taps);
         for (int k = 0; k < 3; k++)
             x[k] = wide_mulhi(wide_mulhi(s[0][k], o->scale0[i]) + wide_mulhi(s[1][k], o->scale1[i]),
                               wide_all(c->colour[k]));
@@ -148,7 +166,8 @@ static void plain_shade(struct raster_batch *b, struct half_vector_lanes *o, str
 }
 
 /* As plain_fetch. Leaves words' places in texel_at, and pairs of weights in low0 and low1. */
-static bool packed_fetch(struct half_vector_lanes *o, const struct lut_table *t, const struct half_vector_constants *c)
+static bool packed_fetch(struct half_vector_lanes *o, const struct lut_table *t, const struct half_vector_constants *c,
+                         enum raster_taps taps)
 {
     wide shifts = wide_all(0);
     for (uint32_t i = 0; i < o->p.count; i++)
@@ -156,7 +175,7 @@ static bool packed_fetch(struct half_vector_lanes *o, const struct lut_table *t,
     wide_pad(o->cell, o->p.count);
     wide_pad(o->texel_at, o->p.count);
     for (uint32_t i = 0; WIDE_LANES * i < o->p.count; i++) {
-        shifts |= scale_find(o, i, o->cell[i] & 255, c);
+        shifts |= scale_find(o, i, o->cell[i] & 255, c, taps);
         o->texel_at[i] += o->cell[i] >> 10;
         o->low0[i] |= o->high0[i] << 16;
         o->low1[i] |= o->high1[i] << 16;
@@ -225,11 +244,19 @@ static void packed_shade(struct raster_batch *b, struct half_vector_lanes *o, co
     }
 }
 
+static raster_half_vector *narrow_find(bool packed, enum raster_taps taps)
+{
+    if (taps == RASTER_TAPS_8)
+        return packed ? raster_half_vector_packed : raster_half_vector_plain;
+    return packed ? raster_half_vector_fewer_packed : raster_half_vector_fewer_plain;
+}
+
 uint32_t raster_half_vector_wide(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *t,
                                  const struct raster_block_light *light)
 {
     const bool packed = t->slabs;
-    raster_half_vector *const narrow = packed ? raster_half_vector_packed : raster_half_vector_plain;
+    const enum raster_taps taps = (enum raster_taps)b->taps;
+    raster_half_vector *const narrow = narrow_find(packed, taps);
     if (first || end < WIDE_LANES)
         return narrow(b, first, end, t, light);
     const struct half_vector_constants c = half_vector_constants_find(t, light);
@@ -244,8 +271,10 @@ uint32_t raster_half_vector_wide(struct raster_batch *b, uint32_t first, uint32_
     for (uint32_t i = 0; i < o.p.count; i++)
         __builtin_memcpy(wide_lanes(o.warp) + i, t->warp_h + wide_lanes(o.warp_at)[i], 4);
     cell_find(&o, t, step);
+    if (taps != RASTER_TAPS_8)
+        nearest_find(&o, t, taps);
     if (packed) {
-        if (!packed_fetch(&o, t, &c))
+        if (!packed_fetch(&o, t, &c, taps))
             return narrow(b, first, end, t, light);
         packed_shade(b, &o, t, &c);
     } else {

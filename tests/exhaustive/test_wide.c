@@ -152,6 +152,13 @@ static void make_batch(struct raster_batch *b)
     }
 }
 
+static raster_half_vector *narrow(uint32_t taps)
+{
+    if (taps == RASTER_TAPS_8)
+        return k.table.slabs ? raster_half_vector_packed : raster_half_vector_plain;
+    return k.table.slabs ? raster_half_vector_fewer_packed : raster_half_vector_fewer_plain;
+}
+
 static void half_vectors_of_eight_pixels_give_the_same_bits(void **state)
 {
     (void)state;
@@ -161,21 +168,24 @@ static void half_vectors_of_eight_pixels_give_the_same_bits(void **state)
     }
     static struct raster_batch b, want;
     struct raster_block_light light;
-    uint32_t lit = 0, packed = 0;
+    uint32_t lit = 0, packed = 0, of_taps[RASTER_TAPS_COUNT] = {0};
     for (unsigned i = 0; i < ROUNDS; i++) {
         if (i % 50 == 0)
             make_table();
         make_light(&light);
         make_batch(&b);
+        b.taps = random32() % RASTER_TAPS_COUNT;
         want = b;
-        raster_half_vector *const narrow = k.table.slabs ? raster_half_vector_packed : raster_half_vector_plain;
         const uint32_t first = i % 8 ? 0 : random32() % b.count;
-        const uint32_t count = narrow(&want, first, b.count, &k.table, &light);
+        const uint32_t count = narrow(b.taps)(&want, first, b.count, &k.table, &light);
         assert_int_equal(raster_half_vector_wide(&b, first, b.count, &k.table, &light), count);
         assert_memory_equal(&b, &want, sizeof b);
         lit += count;
         packed += k.table.slabs != NULL;
+        of_taps[b.taps]++;
     }
+    for (int i = 0; i < RASTER_TAPS_COUNT; i++)
+        assert_in_range(of_taps[i], ROUNDS / 4, ROUNDS / 2);
     assert_in_range(lit, ROUNDS * 8, ROUNDS * 32);
     assert_in_range(packed, ROUNDS / 10, ROUNDS * 9 / 10);
 }

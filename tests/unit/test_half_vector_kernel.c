@@ -1,6 +1,6 @@
 /*
- * The kernels of the half-vector table on batches made by hand: all give the same bits, whatever the table, the planes and the light;
- * and those are what lut_eval says, at one pixel whose planes are exact.
+ * The kernels of the half-vector table on batches made by hand: all give the same bits, whatever the table, the planes, the light and the
+ * taps; and those are what lut_eval says, at one pixel whose planes are exact, and with fewer taps what double precision finds.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,15 +53,15 @@ struct table {
     struct lut_table lut;
 };
 
-/* Random mantissas and exponents from `exponent` on, constant in t where the azimuth is undefined; with the re-packed copy. */
+/* Random mantissas and exponents from `exponent` on, constant in t where the azimuth is undefined, or everywhere; with the re-packed copy. */
 static struct table make_table(unsigned h, unsigned d, unsigned t, unsigned exponent, unsigned exponents, double width,
-                               int scale)
+                               int scale, bool constant_in_t)
 {
     struct ref_half f = {.t = t, .h = h, .d = d, .scale = scale, .slabs = 1};
     struct table out = {.texels = malloc(sizeof(uint32_t) * t * h * d)};
     size_t bytes;
     for (unsigned i = 0; i < t * h * d; i++) {
-        bool constant = i % t > 0 && (i / t < h || i / t % h == 0);
+        bool constant = i % t > 0 && (constant_in_t || i / t < h || i / t % h == 0);
         const uint32_t mantissas = constant ? 0 : random32() & 0x7ffffff, largest = constant ? 0 : random32() % 3,
                        more = constant ? 0 : random32() % exponents;
         out.texels[i] = constant ? out.texels[i - 1] : mantissas | 0x100u << largest * 9 | (exponent + more) << 27;
@@ -133,6 +133,12 @@ static void random_batch(struct raster_batch *b)
     }
 }
 
+/* By the batch's taps. */
+static raster_half_vector *kernel(const struct raster_batch *b, raster_half_vector *eight, raster_half_vector *fewer)
+{
+    return b->taps == RASTER_TAPS_8 ? eight : fewer;
+}
+
 static void kernels_give_the_same_bits(void **state)
 {
     static const struct {
@@ -140,26 +146,31 @@ static void kernels_give_the_same_bits(void **state)
         int scale;
     } size[] = {{64, 32, 8, 8, 12, 0}, {2, 2, 2, 0, 32, 0},    {128, 64, 8, 0, 32, -3}, {65, 3, 32, 20, 12, 2},
                 {21, 16, 3, 12, 4, 0}, {32, 24, 5, 5, 20, 16}, {7, 128, 5, 0, 32, -16}};
-    static struct raster_batch plain, packed, chosen;
+    static struct raster_batch plain, chosen;
     uint32_t lit = 0, bright = 0;
     (void)state;
     for (unsigned i = 0; i < sizeof size / sizeof *size; i++) {
         struct table t = make_table(size[i].h, size[i].d, size[i].t, size[i].exponent, size[i].exponents,
-                                    exp(uniform(-6, 0)), size[i].scale);
-        for (int k = 0; k < 60; k++) {
+                                    exp(uniform(-6, 0)), size[i].scale, false);
+        for (int k = 0; k < 60 * RASTER_TAPS_COUNT; k++) {
             struct raster_block_light light;
             random_light(&light, &t.lut);
             random_batch(&plain);
-            packed = chosen = plain;
+            plain.taps = (uint32_t)k % RASTER_TAPS_COUNT;
             const struct raster_batch before = plain;
             const uint32_t first = random32() % 4, end = RASTER_BATCH - random32() % 4;
-            uint32_t count = raster_half_vector_plain(&plain, first, end, &t.lut, &light);
-            assert_int_equal(raster_half_vector_packed(&packed, first, end, &t.lut, &light), count);
-            assert_memory_equal(&packed, &plain, sizeof plain);
-            assert_int_equal(HALF_VECTOR_PACKED(&chosen, first, end, &t.lut, &light), count);
-            assert_memory_equal(&chosen, &plain, sizeof plain);
-            assert_int_equal(HALF_VECTOR_PLAIN((chosen = before, &chosen), first, end, &t.lut, &light), count);
-            assert_memory_equal(&chosen, &plain, sizeof plain);
+            raster_half_vector *const other[] = {
+                kernel(&before, raster_half_vector_packed, raster_half_vector_fewer_packed),
+                kernel(&before, HALF_VECTOR_PACKED, HALF_VECTOR_FEWER_PACKED),
+                kernel(&before, HALF_VECTOR_PLAIN, HALF_VECTOR_FEWER_PLAIN),
+            };
+            const uint32_t count = kernel(&before, raster_half_vector_plain,
+                                          raster_half_vector_fewer_plain)(&plain, first, end, &t.lut, &light);
+            for (unsigned j = 0; j < sizeof other / sizeof *other; j++) {
+                chosen = before;
+                assert_int_equal(other[j](&chosen, first, end, &t.lut, &light), count);
+                assert_memory_equal(&chosen, &plain, sizeof plain);
+            }
             for (uint32_t p = 0; p < RASTER_BATCH; p++)
                 for (int c = 0; c < 3; c++) {
                     uint32_t added = plain.radiance[p][c] - before.radiance[p][c];
@@ -170,7 +181,7 @@ static void kernels_give_the_same_bits(void **state)
         }
         free_table(&t);
     }
-    assert_true(lit > 7 * 60 * RASTER_BATCH / 4 && bright > 100);
+    assert_true(lit > 7 * 180 * RASTER_BATCH / 4 && bright > 100);
 }
 
 /* One pixel: planes that are exact, so that only the kernel's own fractions and sums err. */
@@ -219,7 +230,7 @@ static void kernel_agrees_with_lut_eval(void **state)
     static double e[COUNT];
     static struct raster_batch b;
     struct raster_block_light light;
-    struct table t = make_table(64, 32, 8, 15, 1, 0.3, 0);
+    struct table t = make_table(64, 32, 8, 15, 1, 0.3, 0, false);
     (void)state;
     for (unsigned i = 0; i < COUNT;) {
         double n[3], l[3], v[3];
@@ -242,11 +253,123 @@ static void kernel_agrees_with_lut_eval(void **state)
     free_table(&t);
 }
 
+/* Where d has no more bits than 8 taps take. */
+static void four_taps_are_eight_where_the_azimuth_does_not_matter(void **state)
+{
+    static struct raster_batch b, want;
+    struct table t = make_table(64, 32, 8, 10, 8, 0.3, 0, true);
+    (void)state;
+    for (int k = 0; k < 200; k++) {
+        struct raster_block_light light;
+        random_light(&light, &t.lut);
+        struct raster_plane *d = &light.plane[PLANE_TERM];
+        d->base &= ~1023u, d->dx = (uint32_t)((int32_t)d->dx / 1024 * 1024), d->dy &= ~1023u;
+        random_batch(&want);
+        b = want;
+        b.taps = RASTER_TAPS_4;
+        const uint32_t count = HALF_VECTOR_PACKED(&want, 0, RASTER_BATCH, &t.lut, &light);
+        assert_int_equal(HALF_VECTOR_FEWER_PACKED(&b, 0, RASTER_BATCH, &t.lut, &light), count);
+        assert_memory_equal(b.radiance, want.radiance, sizeof b.radiance);
+    }
+    free_table(&t);
+}
+
+/* A plane's value at a pixel, its low and high half. */
+static void plane_at(double value[2], const struct raster_plane *p, uint32_t at)
+{
+    const uint32_t x = p->base + (at & 255) * p->dx + (at >> 8) * p->dy;
+    value[0] = lane_low(x) / 32768.0, value[1] = lane_high(x) / 32768.0;
+}
+
+/* Coordinates of a pixel on the table's axes, in nodes, and n.l / (n.l + n.v). False: the light does not reach it. */
+static bool coordinates(double *h, double *d, double *t, double *ratio, const struct lut_table *table,
+                        const struct raster_block_light *light, const struct raster_batch_pixel *p)
+{
+    double a_xy[2], b_xy[2], ab_z[2];
+    const struct raster_plane *term = &light->plane[PLANE_TERM];
+    const double n[3] = {lane_low(p->normal_xy) / 32768.0, lane_high(p->normal_xy) / 32768.0, p->normal_z / 32768.0},
+                 l[3] = {lane_low(light->l_xy) / 32768.0, lane_high(light->l_xy) / 32768.0, light->l_z / 32768.0},
+                 nl = dot(n, l), nv = ldexp(p->nv, -30), tilt = (nl - nv) / (nl + nv);
+    plane_at(a_xy, &light->plane[PLANE_A_XY], p->at);
+    plane_at(b_xy, &light->plane[PLANE_B_XY], p->at);
+    plane_at(ab_z, &light->plane[PLANE_AB_Z], p->at);
+    const double na = dot(n, (double[3]){a_xy[0], a_xy[1], ab_z[0]}),
+                 nb = dot(n, (double[3]){b_xy[0], b_xy[1], ab_z[1]}), y = na * na + nb * nb + 0x1p-16;
+    int octave;
+    const double m = frexp(fmin(y, 1 - 0x1p-28), &octave), node = 8 * (octave + 15 + 2 * m - 1); /* 2^-16: node 0 */
+    const uint16_t *w = table->warp_h + (int)node;
+    *h = (w[0] + (node - floor(node)) * (w[1] - w[0])) / 512;
+    *d = (term->base + (p->at & 255) * term->dx + (p->at >> 8) * term->dy) * 0x1p-16;
+    *t = fmax(na * na / y, tilt * tilt) * (table->width - 1);
+    *ratio = nl / (nl + nv);
+    return nl > 0;
+}
+
+static double channel(const struct lut_table *t, unsigned h, unsigned d, unsigned at, int c)
+{
+    const uint32_t x = t->texels[(d * t->height + h) * t->width + at];
+    return ldexp(x >> 9 * c & 511, (int)(x >> 27) - 24 + t->scale);
+}
+
+/* Whether rounding x to a whole number is sure, for an error of x. */
+static bool rounds(double x, double error)
+{
+    return fabs(x - floor(x) - 0.5) > error;
+}
+
+static void fewer_taps_are_of_the_nearest_nodes(void **state)
+{
+    enum { FOUR, ONE, KINDS };
+    static struct raster_batch b[KINDS];
+    struct table t = make_table(40, 24, 8, 14, 3, 0.3, 0, false);
+    uint32_t compared = 0;
+    (void)state;
+    for (int k = 0; k < 1500; k++) {
+        struct raster_block_light light;
+        random_light(&light, &t.lut);
+        for (int c = 0; c < 3; c++)
+            light.colour[c] = 65536;
+        random_batch(&b[FOUR]);
+        memset(b[FOUR].radiance, 0, sizeof b[FOUR].radiance);
+        b[ONE] = b[FOUR];
+        b[FOUR].taps = RASTER_TAPS_4, b[ONE].taps = RASTER_TAPS_1;
+        for (int i = 0; i < KINDS; i++)
+            HALF_VECTOR_FEWER_PACKED(&b[i], 0, RASTER_BATCH, &t.lut, &light);
+        for (uint32_t i = 0; i < RASTER_BATCH; i++) {
+            const struct raster_batch_pixel *p = &b[ONE].pixel[i];
+            double h, d, azimuth, ratio;
+            if (!coordinates(&h, &d, &azimuth, &ratio, &t.lut, &light, p) || ratio < 0.1 || ldexp(p->nv, -30) < 0.1)
+                continue;
+            if (!rounds(azimuth, 3 * 7 / 1024.0) || !rounds(h, 0.01) || !rounds(d, 1e-9))
+                continue;
+            const unsigned h0 = (unsigned)h, d0 = (unsigned)d, at = (unsigned)(azimuth + 0.5);
+            const double fh = h - h0, fd = d - d0;
+            for (int c = 0; c < 3; c++) {
+                double node[4], largest = 0;
+                for (unsigned j = 0; j < 4; j++) {
+                    node[j] = channel(&t.lut, h0 + j % 2, d0 + j / 2, at, c);
+                    largest = fmax(largest, node[j]);
+                }
+                const double four = (1 - fd) * ((1 - fh) * node[0] + fh * node[1]) +
+                                    fd * ((1 - fh) * node[2] + fh * node[3]),
+                             one = node[(fh > 0.5) + 2 * (fd > 0.5)];
+                assert_true(fabs(b[ONE].radiance[i][c] * 0x1p-20 - one * ratio) <= 0.002 * one * ratio + 4e-6);
+                assert_true(fabs(b[FOUR].radiance[i][c] * 0x1p-20 - four * ratio) <= 0.005 * largest * ratio + 4e-6);
+            }
+            compared += h0 + 2 < t.lut.height;
+        }
+    }
+    assert_true(compared > 5000);
+    free_table(&t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_give_the_same_bits),
         cmocka_unit_test(kernel_agrees_with_lut_eval),
+        cmocka_unit_test(four_taps_are_eight_where_the_azimuth_does_not_matter),
+        cmocka_unit_test(fewer_taps_are_of_the_nearest_nodes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
