@@ -28,7 +28,7 @@ problems=$(target_compile cortex-m7 "$work/graph" -fcallgraph-info=su lut/*.c ra
 claim "no_function_recurses_or_sizes_its_stack_at_run_time" "$problems"
 problems=$(target_product cortex-m7 measured_lafortune "$work/product.o" 2>&1)
 problems+=$(arm-none-eabi-nm --defined-only "$work/product.o" 2>&1 |
-    grep -E ' [tT] .*(specular_frame|lut_eval|lut_half_vector|lut_interpolate|blinn|metallic|diffuse_row|point_light|light_box|cells|survey|bound|budget)')
+    grep -E ' [tT] .*(specular_frame|lut_eval|lut_half_vector|lut_interpolate|blinn|metallic|diffuse_row|point_light|light_box|cells|survey|bound|budget|fewer|loop_four|loop_one)')
 named=$(arm-none-eabi-nm --defined-only "$work/product.o" | grep -cE ' T (raster_begin|raster_half_vector_arm|raster_shade_lafortune_phong_loop)$')
 [ "$named" = 3 ] || problems+=" what it does name is missing"
 claim a_product_links_no_part_that_it_does_not_name "$problems"

@@ -4,6 +4,7 @@
 #   tests/board/shade.sh TARGET half_vector|specular_frame TABLE.ktx2
 #   tests/board/shade.sh TARGET lafortune_phong|blinn_phong|metallic_roughness
 # TARGET input: only makes the input and prints its name. Environment: B (build folder); EXPONENT: of the Phong models, 24;
+# TAPS=8|4|1: texels of a half-vector table that a pixel and light are evaluated by, 8;
 # PROFILE=1: instructions by function, too, of the whole program.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -16,7 +17,13 @@ lafortune_phong | blinn_phong) material="\"model\": \"$model\", $phong" ;;
 metallic_roughness) material="\"model\": \"$model\", \"base_color\": [1.0, 0.77, 0.34], \"metalness\": 0.5, \"roughness\": 0.3" ;;
 *) echo "shade.sh: no model $model" >&2; exit 2 ;;
 esac
-input=$B/board/shade_$model$(basename "${table%.ktx2}" | sed 's/^./_&/').bin
+case ${TAPS:-8} in
+8) taps=0 ;;
+4) taps=1 ;;
+1) taps=2 ;;
+*) echo "shade.sh: no evaluation by $TAPS texels" >&2; exit 2 ;;
+esac
+input=$B/board/shade_$model$(basename "${table%.ktx2}" | sed 's/^./_&/')${TAPS:+_$TAPS}.bin
 programs=("$B/gtscene")
 options=()
 [ "$target" = input ] || programs+=("$B/board/$target/shade.elf")
@@ -39,7 +46,7 @@ cat >"$input.json" <<JSON
 JSON
 "$B/gtscene" build "$input.json" -o "$input.blob" 2>"$input.log" || { cat "$input.log" >&2; exit 1; }
 bytes=$([ -z "$table" ] && echo 0 || stat -Lc %s "$table")
-printf "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' $((bytes & 255)) $((bytes >> 8 & 255)) $((bytes >> 16 & 255)) $((bytes >> 24)))" >"$input.new"
+printf "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x\\x%02x' $((bytes & 255)) $((bytes >> 8 & 255)) $((bytes >> 16 & 255)) $((bytes >> 24)) $taps)" >"$input.new"
 truncate -s 16 "$input.new"
 cat "$input.blob" >>"$input.new"
 truncate -s %16 "$input.new"

@@ -1,6 +1,6 @@
 /*
  * Counts what shading takes on an emulated board, exactly, for the input at board_input (sphere.h):
- *   instructions     by which lights make raster_shade_tile dearer: blocks and their set-up, and the model
+ *   instructions     by which lights make sphere_shade dearer: blocks and their set-up, and the model
  *   lit              pixel-lights with n.l > 0 and n.v > 0
  *   per_pixel_light  one by the other
  *   hash             FNV-1a of all radiances
@@ -31,7 +31,7 @@ __attribute__((noinline)) static uint32_t picture(bool shade)
         struct raster_stats stats = {0};
         sphere_fill(&sphere, i);
         if (shade)
-            raster_shade_tile(&sphere.raster, &sphere.tile, &sphere.rect, &stats);
+            sphere_shade(&sphere, &stats);
         shaded += stats.shaded;
     }
     return board_clock() - start;

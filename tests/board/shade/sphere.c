@@ -15,7 +15,8 @@ void __wrap_raster_finish_pixels(uint32_t *out, uq12_20_t radiance[][3], uint32_
 
 const char *sphere_open(struct sphere *s, const void *input)
 {
-    const uint32_t table_bytes = *(const uint32_t *)input;
+    const uint32_t *header = input, table_bytes = header[0];
+    s->taps = header[1];
     const uint8_t *blob = (const uint8_t *)input + 16;
     const uint32_t blob_bytes = ((const struct scene_header *)(const void *)blob)->total_bytes;
     enum scene_status status = scene_open(&s->scene, blob, blob_bytes);
@@ -92,6 +93,19 @@ void sphere_fill(struct sphere *s, uint32_t index)
                 fx_dot(sphere_normal(&s->tile, at), raster_view_vector(&s->raster, x0 + x, y0 + y)) < LEAST_NV)
                 *out = (struct raster_surface){0, 0};
         }
+}
+
+void sphere_shade(struct sphere *s, struct raster_stats *stats)
+{
+    if (s->taps == RASTER_TAPS_8) {
+        raster_shade_tile(&s->raster, &s->tile, &s->rect, stats);
+        return;
+    }
+    const struct raster_quality quality = {.lights = RASTER_ALL_LIGHTS, .taps = (uint8_t)s->taps};
+    raster_find_lights(&s->raster, &s->tile, &s->rect);
+    for (uint32_t i = 0; i < RASTER_REGIONS(s->rect.width) * RASTER_REGIONS(s->rect.height); i++)
+        raster_tile_shade(&s->raster, &s->tile, &s->rect, i, &quality, stats);
+    raster_tile_finish(&s->raster, &s->tile, &s->rect, stats);
 }
 
 void sphere_count(const struct sphere *s, uint32_t *covered, uint32_t *lit)

@@ -3,8 +3,8 @@
  * vectors those of the scene's camera; pixels with n.v below 1/128 are left out. Its surfaces are put into a tile as the
  * rasterizer would leave them, and raster_shade_tile does the rest.
  *
- * Input: 16 bytes, of which four are the length of the table file (0: the material is none), little-endian; a scene blob with one
- * material, padded to a multiple of 16 bytes; the table file.
+ * Input: 16 bytes, of which four are the length of the table file (0: the material is none) and four how many taps a half-vector table is
+ * evaluated by (enum raster_taps), little-endian; a scene blob with one material, padded to a multiple of 16 bytes; the table file.
  * The program is linked with --wrap=raster_finish_pixels: tone curve and packing are not measured, and sphere_radiance, which the
  * program gives, sees what they would get.
  */
@@ -13,6 +13,7 @@
 
 #include "internal.h"
 #include "lut.h"
+#include "quality.h"
 
 enum {
     SPHERE_WIDTH = 320,
@@ -30,6 +31,7 @@ struct sphere {
     uint64_t arena[2048];
     struct raster_tile tile; /* the one being shaded */
     struct raster_rect rect; /* its place */
+    uint32_t taps;           /* enum raster_taps */
 };
 
 /* Returns NULL, or what is wrong with the input. *s stays where it is: it points into itself. */
@@ -40,6 +42,9 @@ const char *sphere_begin(struct sphere *s, bool lights);
 
 /* Puts the sphere's surfaces into tile `index`; shading overwrites them. */
 void sphere_fill(struct sphere *s, uint32_t index);
+
+/* Shades the filled tile by as many taps as the input says: raster_shade_tile with all. */
+void sphere_shade(struct sphere *s, struct raster_stats *stats);
 
 /* Adds up the filled tile's pixels, and their pixel-lights with n.l > 0. */
 void sphere_count(const struct sphere *s, uint32_t *covered, uint32_t *lit);
