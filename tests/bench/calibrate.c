@@ -237,6 +237,33 @@ static bool is_regular(const struct line *l)
     return is(l, "shade") && l->v[1] < RASTER_RATE_FLAT && l->v[7] <= 24;
 }
 
+/* What fewer taps save at least of a light that reaches many pixels; and regions' cost is raised where that is more than they save. */
+static void fit_taps(struct table *t, struct fit *f, const struct lines *all)
+{
+    double counts[MAX_VARIABLES];
+    t->taps[RASTER_TAPS_4] = t->taps[RASTER_TAPS_1] = f->x[2];
+    for (int pass = 0; pass < 2; pass++) {
+        const struct line *of_eight = NULL;
+        for (size_t i = 0; i < all->count; i++) {
+            const struct line *l = &all->line[i];
+            const double lit = l->v[1];
+            if (!is(l, "taps")) {
+                of_eight = is_regular(l) ? l : is(l, "shade") ? NULL : of_eight;
+                continue;
+            }
+            double *saved = &t->taps[(int)l->v[0]];
+            if (!of_eight || (!pass && lit < LARGE))
+                continue;
+            if (!pass) {
+                *saved = fmin(*saved, fmax((of_eight->ticks - l->ticks) / lit, 0));
+                continue;
+            }
+            shade_counts(counts, of_eight->v, (unsigned)((of_eight->v[3] + of_eight->v[4]) / of_eight->v[2]));
+            at_least(&f->x[REGION], f->x[REGION] + (l->ticks + *saved * lit - fit_at(f, counts)) / of_eight->v[7]);
+        }
+    }
+}
+
 static void fit_shading(struct table *t, const struct lines *all)
 {
     struct fit f = {.variables = SHADE_VARIABLES};
@@ -256,6 +283,7 @@ static void fit_shading(struct table *t, const struct lines *all)
         shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
         at_least(&f.x[REGION], f.x[REGION] + (l->ticks - fit_at(&f, counts)) / l->v[7]);
     }
+    fit_taps(t, &f, all);
     t->region = f.x[REGION], t->part = f.x[PART], t->cell = f.x[CELL];
     for (int k = 0; k < KINDS; k++) {
         const double *x = f.x + 4 * k;
@@ -271,22 +299,6 @@ static void fit_shading(struct table *t, const struct lines *all)
         at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
     }
     fit_free(&f);
-}
-
-/* What fewer taps save for certain. */
-static void fit_taps(struct table *t, const struct lines *all)
-{
-    double of_eight = 0;
-    bool regular = false;
-    for (int k = RASTER_TAPS_4; k < RASTER_TAPS_COUNT; k++)
-        t->taps[k] = t->shading[RASTER_SHADE_HALF_VECTOR].lit;
-    for (size_t i = 0; i < all->count; i++) {
-        const struct line *l = &all->line[i];
-        if (is(l, "shade"))
-            of_eight = l->ticks, regular = is_regular(l) && l->v[5] >= LARGE;
-        else if (is(l, "taps") && regular)
-            t->taps[(int)l->v[0]] = fmin(t->taps[(int)l->v[0]], fmax((of_eight - l->ticks) / l->v[1], 0));
-    }
 }
 
 /* Clearing, surveys and packing. */
@@ -400,7 +412,6 @@ int main(int argc, char **argv)
     fit_general(&t, &all);
     fit_flat(&t, &all);
     fit_shading(&t, &all);
-    fit_taps(&t, &all);
     fit_packing(&t, &all);
     fit_rows(&t, &all);
     print_table(&t, argv[1]);
