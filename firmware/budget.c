@@ -62,6 +62,34 @@ static void forget(struct budget_ratio *k)
     k->under /= 2;
 }
 
+/* What tiles must find, but will not take, with all shading times a ratio, 8 fraction bits. */
+static uint64_t surplus(const struct budget_reserve *k, uint32_t ratio)
+{
+    const uint64_t takes = k->besides + (k->demand * ratio >> 8);
+    return k->ticks > takes ? k->ticks - takes : 0;
+}
+
+/* Of tiles to come, the ones whose reserves are larger by the most than what they and all after them are expected to take. */
+static void find_reserve(struct budget *b, const struct raster *r)
+{
+    const uint32_t ratio = ratio_of(&b->chosen_ratio);
+    struct budget_reserve at = {.from = raster_tile_count(r)};
+    uint64_t least = 0, most = 0;
+    b->reserve = at;
+    while (at.from > b->done + 1) {
+        const uint32_t tile = raster_tile_at(r, --at.from);
+        const struct raster_expected e = raster_tile_expected(r, tile);
+        least += r->bounds[tile].least;
+        at.demand += e.shading;
+        at.besides += e.besides;
+        at.ticks = least + r->bounds[raster_tile_at(r, at.from - 1)].keep;
+        if (surplus(&at, ratio ? ratio : ONE) > most) {
+            most = surplus(&at, ratio ? ratio : ONE);
+            b->reserve = at;
+        }
+    }
+}
+
 void budget_begin(struct budget *b, const struct hal *hal, const struct raster *r, uint32_t mean)
 {
     const uint32_t tiles = raster_tile_count(r);
@@ -79,6 +107,9 @@ void budget_begin(struct budget *b, const struct hal *hal, const struct raster *
         b->demand += e.shading;
         b->besides += e.besides;
     }
+    forget(&b->chosen_ratio);
+    b->done = 0;
+    find_reserve(b, r);
     b->lit = b->lit ? b->lit : 192;
     b->point = b->point ? b->point : 256;
 }
@@ -93,13 +124,9 @@ static void take_out(struct tile *k)
     b->demand -= e.shading < b->demand ? e.shading : b->demand;
     b->besides -= e.besides < b->besides ? e.besides : b->besides;
     k->limit = b->left > b->least ? fx_sat31(b->left - b->least) : 0;
-}
-
-/* x times a running ratio; `none`, 8 fraction bits, is its value before anything was learnt. In: x < 2^48. */
-static uint64_t times(uint64_t x, const struct budget_ratio *k, uint32_t none)
-{
-    const uint32_t ratio = ratio_of(k);
-    return x * (ratio ? ratio : none) >> 8;
+    if (b->done >= b->reserve.from)
+        find_reserve(b, k->r);
+    b->done++;
 }
 
 static void learn(struct budget_ratio *k, uint32_t over, uint32_t under)
@@ -218,7 +245,7 @@ static uint32_t grant(enum raster_taps *taps, struct tile *k, uint32_t now, uint
     const uint64_t kept = b->least + k->r->bounds[k->index].keep + finish + now;
     const uint64_t others = b->demand;
     const uint32_t takes = ratio_of(&b->shading_ratio);
-    uint64_t left = b->left > besides ? b->left - besides : 0, need_above = others + full;
+    uint64_t left = b->left > besides ? b->left - besides : 0, need_above = others + full + surplus(&b->reserve, ONE);
     uint32_t own[BUDGET_PRICES], own_above = full, ticks = full;
     left += takes && takes < ONE ? (left * (ONE - takes)) >> 8 : 0; /* as is expected */
     bool found = need_above <= left;
@@ -228,7 +255,9 @@ static uint32_t grant(enum raster_taps *taps, struct tile *k, uint32_t now, uint
         learn(&b->price_ratio[i], own[i], full);
         if (found)
             continue;
-        const uint64_t need = times(others, &b->price_ratio[i], ONE - i * ONE / (BUDGET_PRICES + 4)) + own[i];
+        uint32_t ratio = ratio_of(&b->price_ratio[i]);
+        ratio = ratio ? ratio : ONE - i * ONE / (BUDGET_PRICES + 4); /* before anything was learnt */
+        const uint64_t need = (others * ratio >> 8) + own[i] + surplus(&b->reserve, ratio);
         found = need <= left;
         *taps = budget_taps_at(i);
         ticks = own[i];
@@ -330,6 +359,7 @@ static bool shade_pass(struct tile *k, bool last)
     shade_regions(k, end, finish);
     const uint32_t took = elapsed(k) - shading;
     learn(&b->shading_ratio, took, expected);
+    learn(&b->chosen_ratio, expected, full);
     if (survey->point_lights)
         learn_point(b, took, expected);
     k->shading = fx_add_sat(k->shading, took);

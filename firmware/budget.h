@@ -97,7 +97,14 @@ struct budget {
     uint64_t least, demand, besides;
     struct budget_ratio price_ratio[BUDGET_PRICES]; /* shading at a price over shading in full */
     struct budget_ratio shading_ratio;              /* what shading took over what was expected of it */
-    uint32_t lit;                                   /* to be expected, of 256 */
+    struct budget_ratio chosen_ratio;               /* what was expected of it over shading in full */
+    uint32_t done;                                  /* tiles begun */
+    /* Tiles from the `from`-th on must find so much, but are expected to take less than that, by the most that there is: as above. */
+    struct budget_reserve {
+        uint32_t from;
+        uint64_t ticks, demand, besides;
+    } reserve;
+    uint32_t lit;                /* to be expected, of 256 */
     uint32_t point;              /* what a point light takes of what it may, to be expected, of 256 */
     struct raster_learnt learnt; /* for the next frame's raster_begin */
     struct budget_plan plan;
