@@ -10,9 +10,9 @@
 
 #if defined(RASTER_ARM) && defined(__ARM_FEATURE_DSP)
 
-/* What loops share, and between it what differs by taps: d's fraction in r10; from that, u in r5 and node t in r8, weights, or the nearest
- * node, the slabs' address being in r12; how many bits the ratio is shifted up, and what is done beside that; and, with a scale that is
- * not 0, S of the three channels in r3-r5. */
+/* What loops share, and between it what differs by taps: d's fraction in r10; weights, or the nearest node of the slabs at r12, from that,
+ * u in r5 and node t in r8; how many bits the ratio is shifted up; what is done beside that; and, with a scale that is not 0, S of the
+ * three channels in r3-r5. Instructions that multiply stand beside others, with which Cortex-M7 pairs them. */
 #define LOOP(name, fraction, weights, ratio_bits, beside, sums)                                                        \
     "    .syntax unified\n"                                                                                            \
     "    .section .text." name ", \"ax\", %progbits\n"                                                                 \
@@ -54,50 +54,51 @@
     "2:  ldm     sp, {r8-r12, lr}\n" /* planes at x */                                                                 \
     "    add     r5, r5, r7\n"       /* r5 = both */                                                                   \
     "    mla     r11, r6, r8, r11\n"                                                                                   \
-    "    mla     r12, r6, r9, r12\n"                                                                                   \
     "    mla     lr, r6, r10, lr\n"                                                                                    \
+    "    lsr     r5, r5, #15\n"                                                                                        \
     "    smuad   r8, r3, r11\n"                                                                                        \
+    "    mla     r12, r6, r9, r12\n"                                                                                   \
     "    smuad   r10, r3, lr\n"                                                                                        \
     "    smlabb  r8, r4, r12, r8\n"   /* n.a */                                                                        \
     "    smlabt  r10, r4, r12, r10\n" /* n.b */                                                                        \
-    "    ldrd    r3, r4, [sp, #24]\n"                                                                                  \
-    "    lsr     r5, r5, #15\n"                                                                                        \
-    "    udiv    r7, r7, r5\n"        /* r7 = ratio */                                                                 \
     "    smmul   r8, r8, r8\n"        /* na2 */                                                                        \
-    "    mla     r6, r6, r4, r3\n"    /* r6 = term */                                                                  \
+    "    udiv    r7, r7, r5\n"        /* r7 = ratio */                                                                 \
     "    smmla   r10, r10, r10, r8\n" /* s2 */                                                                         \
-    "    add     r10, r10, #4096\n"   /* y */                                                                          \
+    "    ldrd    r3, r4, [sp, #24]\n"                                                                                  \
+    "    add     r10, r10, #4096\n" /* y */                                                                            \
     "    lsr     r5, r10, #10\n"                                                                                       \
     "    udiv    r8, r8, r5\n"                                                                                         \
-    "    ldmdb   r2, {r3, r4, r9, r11, r12, lr}\n" /* warp, half, width, height, slabs, top */                         \
     "    usat    r10, #28, r10\n"                  /* x */                                                             \
+    "    mla     r6, r6, r4, r3\n"                 /* r6 = term */                                                     \
+    "    ldmdb   r2, {r3, r4, r9, r11, r12, lr}\n" /* warp, half, width, height, slabs, top */                         \
     "    clz     r5, r10\n"                                                                                            \
     "    lsl     r10, r10, r5\n"                                                                                       \
     "    sub     r3, r3, r5, lsl #4\n"                                                                                 \
     "    lsr     r5, r10, #28\n"                                                                                       \
     "    ubfx    r10, r10, #17, #11\n"                                                                                 \
+    "    sub     r4, r4, r7, lsl #7\n"                                                                                 \
     "    ldr     r5, [r3, r5, lsl #1]\n" /* both ends of the warp's step */                                            \
     "    rsb     r10, r10, r10, lsl #16\n"                                                                             \
-    "    sub     r4, r4, r7, lsl #7\n"                                                                                 \
     "    add     r10, r10, #2048\n"                                                                                    \
-    "    smuad   r5, r5, r10\n" /* r5 = u */                                                                           \
     "    smmul   r4, r4, r4\n"  /* far */                                                                              \
+    "    smuad   r5, r5, r10\n" /* r5 = u */                                                                           \
         fraction                /* r10 */                                                                              \
     "    lsr     r3, r5, #20\n"                                                                                        \
     "    smlatb  r3, r6, r11, r3\n"                                                                                    \
     "    cmp     r8, r4\n"                                                                                             \
     "    it      lo\n"                                                                                                 \
-    "    movlo   r8, r4\n"                /* t2 */                                                                     \
-    "    ldr     r3, [r12, r3, lsl #2]\n" /* r3 = the cell's record */                                                 \
+    "    movlo   r8, r4\n" /* t2 */                                                                                    \
+    "    lsl     r7, r7, #" ratio_bits "\n"                                                                            \
     "    smulbb  r8, r8, r9\n"            /* node t, 16 fraction bits */                                               \
+    "    ldr     r3, [r12, r3, lsl #2]\n" /* r3 = the cell's record */                                                 \
         weights                           /* r6, r8, r12 */                                                            \
     "    add     r12, r12, r3, lsr #8\n"                                                                               \
-    "    smlatt  r12, r8, r9, r12\n"               /* r12 = node t of row h */                                         \
-    "    lsl     r7, r7, #" ratio_bits "\n" beside /* r8, r9 */                                                        \
-    "    sub     lr, lr, r3\n"                     /* lowest byte: shift */                                            \
-    "    lsrs    r7, r7, lr\n"                     /* a negative shift gives 0, too */                                 \
-    "    beq     5f\n" sums                        /* r3-r5 */                                                         \
-    "    ldm     r2, {r6-r8, lr}\n"                /* colour, end */                                                   \
+    "    smlatt  r12, r8, r9, r12\n" /* r12 = node t of row h */                                                       \
+    "    sub     lr, lr, r3\n"       /* lowest byte: shift */                                                          \
+        beside                       /* r6, r8, r9 */                                                                  \
+    "    lsrs    r7, r7, lr\n"       /* a negative shift gives 0, too */                                               \
+    "    beq     5f\n" sums          /* r3-r5 */                                                                       \
+    "    ldm     r2, {r6-r8, lr}\n"  /* colour, end */                                                                 \
     "    ldm     r1, {r10-r12}\n"                                                                                      \
     "    smmla   r10, r3, r6, r10\n"                                                                                   \
     "    smmla   r11, r4, r7, r11\n"                                                                                   \
@@ -210,7 +211,7 @@
     "    smmla   r4, r11, r9, r4\n"                                                                                    \
     "    smmla   r5, r12, r9, r5\n"
 
-/* Fractions' highest bits */
+/* d's and h's fractions are their highest bits. */
 #define FRACTION_1 "    ubfx    r10, r6, #15, #1\n" /* plane */
 
 #define WEIGHTS_1                                                                                                      \
