@@ -13,8 +13,8 @@
 
 /* By the loop, and by portable C of as many taps. Inline: so a program is linked with no loop that it does not ask for. */
 __attribute__((always_inline)) static inline uint32_t
-shade(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
-      const struct raster_block_light *light, raster_half_vector_pixels *loop, raster_half_vector *portable)
+shade_by_loop(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
+              const struct raster_block_light *light, raster_half_vector_pixels *loop, raster_half_vector *portable)
 {
     if (table->height > LOOP_MAX_H)
         return portable(b, first, end, table, light);
@@ -42,15 +42,15 @@ shade(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_tab
 uint32_t raster_half_vector_arm(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
                                 const struct raster_block_light *light)
 {
-    return shade(b, first, end, table, light, raster_half_vector_loop, raster_half_vector_plain);
+    return shade_by_loop(b, first, end, table, light, raster_half_vector_loop, raster_half_vector_plain);
 }
 
 uint32_t raster_half_vector_fewer_arm(struct raster_batch *b, uint32_t first, uint32_t end,
                                       const struct lut_table *table, const struct raster_block_light *light)
 {
-    return shade(b, first, end, table, light,
-                 b->taps == RASTER_TAPS_1 ? raster_half_vector_loop_one : raster_half_vector_loop_four,
-                 raster_half_vector_fewer_plain);
+    return shade_by_loop(b, first, end, table, light,
+                         b->taps == RASTER_TAPS_1 ? raster_half_vector_loop_one : raster_half_vector_loop_four,
+                         raster_half_vector_fewer_plain);
 }
 
 #endif
