@@ -3,7 +3,7 @@
  *
  *   bench_shade count INPUT           lit pixel-lights and covered pixels; the functions picture_lit and picture_dark run
  *                                     once each: their difference under callgrind is the lights
- *   bench_shade time INPUT REPEATS    processor time in nanoseconds by which lights make raster_shade_tile dearer, per lit and per covered
+ *   bench_shade time INPUT REPEATS    processor time in nanoseconds by which lights make sphere_shade dearer, per lit and per covered
  *                                     pixel-light: the difference of the medians with and without lights
  *   bench_shade error INPUT           against double precision from the same table or material and normals, in steps of 8-bit sRGB before
  *                                     rounding, over all covered pixels and channels; and the hash of all radiances
@@ -50,8 +50,9 @@ static double shade(uint32_t tile)
 {
     struct raster_stats stats = {0};
     memcpy(sphere.tile.surface, filled[tile].surface, sizeof sphere.tile.surface);
+    sphere.rect = place[tile];
     const double start = nanoseconds();
-    raster_shade_tile(&sphere.raster, &sphere.tile, &place[tile], &stats);
+    sphere_shade(&sphere, &stats);
     return nanoseconds() - start;
 }
 

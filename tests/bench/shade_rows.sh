@@ -106,6 +106,9 @@ for size in 64K 16K 4K; do
     [ "$hash" = "$packed" ] || { echo "shade_rows: $size: other radiances from the re-packed copy" >&2; exit 1; }
     row host gold "half_vector-$bytes-8" packed_bytes "$("$B/gtlut" info "${table}_packed.ktx2" | awk '/^re-packed copy:/ { print $3 }')" bytes
 done
+for taps in 4 1; do # errors are those of leaving texels out
+    TAPS=$taps shading gold "half_vector-$(table_bytes "$B/bench/gold_64K.ktx2" 388)-$taps" half_vector "$B/bench/gold_64K_packed.ktx2"
+done
 frame=$B/bench/gold_specular_frame.ktx2
 shading gold "specular_frame-$(table_bytes "$frame" 0)-8" specular_frame "$frame"
 for model in lafortune_phong blinn_phong metallic_roughness; do
