@@ -199,6 +199,35 @@ cp "$work/tetra.obj" "$work/tetra.stl"
 file() { build "s/\"shape\".*segments\": 4/\"file\": \"$1\"/" "${@:2}"; }
 check "an OBJ without normals builds" eval 'file tetra.obj && info_has "^drawn +4 "'
 check "polygons are triangulated" eval 'file quad.obj && info_has "^drawn +2 "'
+# One tetrahedron without normals; OBJ repeats a vertex for each of its faces, PLY and glTF share it among them.
+printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n' >"$work/tetra.ply"
+{
+    printf '\0\0\0\0\0\0\0\0\0\0\0\0' # four positions, four triangles
+    printf '\0\0\200\77\0\0\0\0\0\0\0\0' && printf '\0\0\0\0\0\0\200\77\0\0\0\0' && printf '\0\0\0\0\0\0\0\0\0\0\200\77'
+    printf '\0\2\1\0\1\3\0\3\2\1\2\3'
+} >"$work/tetra.bin"
+gltf() { # name nodes
+    printf '{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [%s], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+"buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64,%s"}], "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}, {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}]}' "$2" "$(base64 -w 0 "$work/tetra.bin")" >"$work/$1.gltf"
+}
+gltf tetra '{"mesh": 0}'
+gltf mirrored '{"children": [1], "scale": [-1, 1, 1]}, {"mesh": 0, "translation": [0.25, 0, 0]}'
+gltf shifted '{"mesh": 0, "translation": [0.005, 0, 0]}'
+printf 'v -0.25 0 0\nv -1.25 0 0\nv -0.25 1 0\nv -0.25 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n' >"$work/mirrored.obj"
+printf 'v 0.005 0 0\nv 1.005 0 0\nv 0.005 1 0\nv 0.005 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$work/shifted.obj"
+same_picture() { # two mesh files
+    local one
+    for one in "$@"; do
+        build "s/\"shape\".*segments\": 4/\"file\": \"$one\"/; s/measured/lafortune_phong/; s/\"eye\": \[0, 0, 5\]/\"eye\": [1, 2, 5]/" &&
+            "$B/gtsim" render "$work/good.blob" -o "$work/$one.png" || return 1
+    done
+    cmp "$work/$1.png" "$work/$2.png"
+}
+check "normals generated for a PLY are those of the same OBJ" same_picture tetra.obj tetra.ply
+check "normals generated for a glTF are those of the same OBJ" same_picture tetra.obj tetra.gltf
+check "a glTF node that mirrors keeps the outside outside" same_picture mirrored.obj mirrored.gltf
+check "a glTF node that moves its mesh a little moves it" same_picture shifted.obj shifted.gltf
 check "a PLY builds" eval 'file one.ply && info_has "^drawn +1 "'
 mkdir -p "$work/meshes" && cp "$work/tetra.obj" "$work/meshes/far.obj"
 check "--data names the folder of mesh files" eval 'file far.obj --data "$work/meshes" && info_has "^drawn +4 "'
