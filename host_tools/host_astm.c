@@ -13,6 +13,8 @@ struct layout {
     int place[MAX_COLUMNS]; /* of a column: angle 0..3, value 4.. or IGNORED */
     double nm[MAX_COLUMNS]; /* of a value, when they are wavelengths */
     enum { SPECTRAL, RGB, XYZ } kind;
+    unsigned seen;   /* bits: angles, then the three of RGB or XYZ */
+    bool is_muddled; /* a name twice, or values of several kinds */
 };
 
 bool astm_recognise(const uint8_t *data, size_t bytes)
@@ -28,13 +30,22 @@ static int index_of(const char *name, const char *const *names, int count)
     return -1;
 }
 
+/* Of an angle or one of three values. */
+static void take_place(struct layout *l, int place)
+{
+    l->is_muddled |= l->seen >> place & 1;
+    l->seen |= 1u << place;
+    l->place[l->columns] = place;
+}
+
 static void value_column(struct layout *l, const struct text_reader *r, const char *name)
 {
     static const char *const tristimulus[] = {"R", "G", "B", "X", "Y", "Z"};
     int t = index_of(name, tristimulus, 6);
     if (t >= 0) {
+        l->is_muddled |= l->values && l->kind != (t < 3 ? RGB : XYZ);
         l->kind = t < 3 ? RGB : XYZ;
-        l->place[l->columns] = ANGLES + t % 3;
+        take_place(l, ANGLES + t % 3);
         l->values++;
         return;
     }
@@ -46,6 +57,7 @@ static void value_column(struct layout *l, const struct text_reader *r, const ch
         l->place[l->columns] = IGNORED;
         return;
     }
+    l->is_muddled |= l->kind != SPECTRAL;
     if (l->values && nm <= l->nm[l->values - 1])
         die(EXIT_BAD_INPUT, "%s:%zu: wavelength %g after %g; they must ascend", r->path, r->line, nm,
             l->nm[l->values - 1]);
@@ -56,19 +68,16 @@ static void value_column(struct layout *l, const struct text_reader *r, const ch
 static void parse_vars(struct layout *l, const struct text_reader *r, char *names)
 {
     static const char *const angles[ANGLES] = {"theta_i", "phi_i", "theta_s", "phi_s"};
-    unsigned seen = 0;
     for (char *name = strtok(names, " \t,"); name; name = strtok(NULL, " \t,"), l->columns++) {
         if (l->columns == MAX_COLUMNS)
             die(EXIT_BAD_INPUT, "%s:%zu: more than %d variables", r->path, r->line, MAX_COLUMNS);
         int angle = index_of(name, angles, ANGLES);
-        if (angle >= 0) {
-            seen |= 1u << angle;
-            l->place[l->columns] = angle;
-        } else {
+        if (angle >= 0)
+            take_place(l, angle);
+        else
             value_column(l, r, name);
-        }
     }
-    if (seen != 15 || !l->values || (l->kind != SPECTRAL && l->values != 3))
+    if ((l->seen & 15) != 15 || !l->values || (l->kind != SPECTRAL && l->values != 3) || l->is_muddled)
         die(EXIT_BAD_INPUT,
             "%s:%zu: VARS must name theta_i,phi_i,theta_s,phi_s and R,G,B or X,Y,Z or wavelengths (450nm), each once",
             r->path, r->line);

@@ -180,6 +180,12 @@ static void astm_says_what_is_wrong(void **state)
     text_dies("NUM_POINTS 2\n", "no VARS line");
     text_dies(ANGLES "R,G\n", "VARS must name");
     text_dies("VARS theta_i,phi_i,theta_s,R,G,B\n", "VARS must name");
+    static const char *const muddled[] = {"R,R,B", "R,G,450nm", "450nm,R,G", "R,G,Z", "R,G,B,R", "R,G,B,theta_s"};
+    for (size_t i = 0; i < sizeof muddled / sizeof *muddled; i++) {
+        char text[200];
+        snprintf(text, sizeof text, ANGLES "%s\n0,0,0,0,1,1,1,1\n", muddled[i]);
+        text_dies(text, "VARS must name");
+    }
     text_dies(ANGLES "550nm,450nm\n", "in.brdf:1: wavelength 450 after 550");
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1\n", "in.brdf:2: 6 numbers where 7");
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1,x\n", "in.brdf:2: 'x' where a number");
