@@ -18,7 +18,7 @@ struct csv {
     int field[MAX_COLUMNS]; /* of a column, or IGNORED */
     size_t negative, first_negative_line;
     float largest_theta, largest_phi;
-    struct measurement turned; /* samples at phi_out 360, which may repeat those at 0 */
+    struct measurement turned; /* samples at phi_out 360 and -180, which may repeat those at 0 and 180 */
     bool raw;
 };
 
@@ -122,17 +122,18 @@ static void parse_row(struct measurement *out, struct csv *c, char *line)
         die(EXIT_BAD_INPUT, "%s:%zu: more than %u samples; thin them out", c->path, c->line, MEASUREMENT_MAX_POINTS);
     c->largest_theta = fmaxf(c->largest_theta, fmaxf(point.theta_in, point.theta_out));
     c->largest_phi = fmaxf(c->largest_phi, point.phi_out);
-    measurement_add(x[PHI_OUT] == 360 ? &c->turned : out, &point);
+    measurement_add(x[PHI_OUT] == 360 || x[PHI_OUT] == -180 ? &c->turned : out, &point);
 }
 
 static int compare_directions(const void *a, const void *b)
 {
     const struct measurement_point *p = a, *q = b;
     int by_in = (p->theta_in > q->theta_in) - (p->theta_in < q->theta_in);
-    return by_in ? by_in : (p->theta_out > q->theta_out) - (p->theta_out < q->theta_out);
+    int by_out = (p->theta_out > q->theta_out) - (p->theta_out < q->theta_out);
+    return by_in ? by_in : by_out ? by_out : (p->phi_out > q->phi_out) - (p->phi_out < q->phi_out);
 }
 
-/* A full turn measured from 0 to 360 has its first azimuth twice: what is the same there counts once. */
+/* A full turn measured from 0 to 360, or from -180 to 180, has its first azimuth twice: what is the same there counts once. */
 static void merge_turned(struct measurement *out, const struct measurement *turned)
 {
     struct measurement first;
@@ -140,7 +141,7 @@ static void merge_turned(struct measurement *out, const struct measurement *turn
         return;
     measurement_init(&first, "");
     for (size_t i = 0; i < out->count; i++)
-        if (out->points[i].phi_out == 0)
+        if (out->points[i].phi_out == 0 || out->points[i].phi_out == 180)
             measurement_add(&first, &out->points[i]);
     qsort(first.points, first.count, sizeof *first.points, compare_directions);
     for (size_t i = 0; i < turned->count; i++) {

@@ -39,13 +39,14 @@ static struct key *keys_sorted(const struct measurement *m)
 /* The rows of one slice must all have the first row's azimuths, and those must divide the full turn evenly. */
 static char *slice_problem(const struct key *k, size_t count, size_t phi_count)
 {
+    for (size_t i = 1; i < count; i++) /* first: one too many would look like uneven steps */
+        if (!key_compare(&k[i - 1], &k[i]))
+            return xasprintf("two samples at theta_in %g, theta_out %g, phi_out %g; keep one", 1e-3 * k[i].theta_in,
+                             1e-3 * k[i].theta_out, 1e-3 * k[i].phi);
     for (size_t i = 0; i < count; i++) {
         size_t column = i % phi_count;
         const struct key *first = &k[column], *row = &k[i - column];
         double want = 1e-3 * k->phi + (double)column * 360.0 / (double)phi_count;
-        if (i && !key_compare(&k[i - 1], &k[i]))
-            return xasprintf("two samples at theta_in %g, theta_out %g, phi_out %g; keep one", 1e-3 * k[i].theta_in,
-                             1e-3 * k[i].theta_out, 1e-3 * k[i].phi);
         if (fabs(1e-3 * k[i].phi - want) > 1.6e-3 && row == k)
             return xasprintf(
                 "at theta_in %g, theta_out %g phi_out %g stands where %zu equal steps of a full turn want %g; a "

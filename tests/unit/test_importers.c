@@ -65,6 +65,25 @@ static void csv_counts_a_full_turn_once(void **state)
     measurement_free(&m);
 }
 
+static void csv_counts_a_full_turn_about_the_mirror_side_once(void **state)
+{
+    (void)state;
+    struct measurement m;
+    parse_text(
+        &m,
+        "theta_in,theta_out,phi_out,R,G,B\n0,0,-180,1,1,1\n0,0,-90,1,1,1\n0,0,0,1,1,1\n0,0,90,1,1,1\n0,0,180,1,1,1\n");
+    assert_int_equal(m.count, 4);
+    assert_null(measurement_grid_problem(&m));
+    measurement_free(&m);
+    parse_text(
+        &m,
+        "theta_in,theta_out,phi_out,R,G,B\n0,0,-180,1,1,2\n0,0,-90,1,1,1\n0,0,0,1,1,1\n0,0,90,1,1,1\n0,0,180,1,1,1\n");
+    char *problem = measurement_grid_problem(&m); /* not that steps are uneven */
+    assert_string_equal(problem, "two samples at theta_in 0, theta_out 0, phi_out 180; keep one");
+    free(problem);
+    measurement_free(&m);
+}
+
 static void read_csv_counting(const struct bytes *b)
 {
     struct measurement m;
@@ -333,6 +352,7 @@ int main(void)
         cmocka_unit_test(csv_brings_azimuths_into_one_turn),
         cmocka_unit_test(csv_counts_a_full_turn_once),
         cmocka_unit_test(csv_in_radians_is_said_to_be),
+        cmocka_unit_test(csv_counts_a_full_turn_about_the_mirror_side_once),
         cmocka_unit_test(csv_negative_values_become_zero_with_a_count),
         cmocka_unit_test(csv_ignores_other_columns_and_says_so),
         cmocka_unit_test(csv_names_the_line_of_what_is_wrong),
