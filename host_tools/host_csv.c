@@ -40,7 +40,7 @@ static void parse_header(struct csv *c, char *line)
     unsigned seen = 0;
     if (!strncmp(line, "material,rhoD_r,", 16))
         die(EXIT_BAD_INPUT, "%s: a table of shifted-gamma fits; name one of its materials: FILE.csv:NAME", c->path);
-    bool is_foreign = !strchr(line, ',') && strpbrk(line, ";\t");
+    bool is_foreign = !strchr(line, ',') && strpbrk(line, "; \t");
     for (char *rest = line; rest; c->columns++) {
         char *name = next_cell(&rest);
         if (c->columns == MAX_COLUMNS)

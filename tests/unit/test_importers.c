@@ -141,6 +141,7 @@ static void csv_names_the_line_of_what_is_wrong(void **state)
     csv_dies(HEADER "0,0,0,1,1,0x1p3\n", "in.csv:2: B is '0x1p3', not a number; write decimal");
     csv_dies("theta_in;theta_out;phi_out;R;G;B\n0;0;0;1;1;1\n", "separate columns by commas");
     csv_dies("theta_in\ttheta_out\tphi_out\tR\tG\tB\n", "separate columns by commas");
+    csv_dies("theta_in theta_out phi_out R G B\n0 0 0 1 1 1\n", "separate columns by commas");
     csv_dies(HEADER "0,0,0,1,1\n", "in.csv:2: 5 columns where the header names 6");
     csv_dies(HEADER "0,0,0,1,1,1,1\n", "in.csv:2: 7 columns where the header names 6");
     csv_dies(HEADER "# c\n0,0,0,nan,1,1\n", "in.csv:3: R is nan");
@@ -351,8 +352,8 @@ int main(void)
         cmocka_unit_test(csv_columns_come_in_any_order_with_comments_and_any_line_ends),
         cmocka_unit_test(csv_brings_azimuths_into_one_turn),
         cmocka_unit_test(csv_counts_a_full_turn_once),
-        cmocka_unit_test(csv_in_radians_is_said_to_be),
         cmocka_unit_test(csv_counts_a_full_turn_about_the_mirror_side_once),
+        cmocka_unit_test(csv_in_radians_is_said_to_be),
         cmocka_unit_test(csv_negative_values_become_zero_with_a_count),
         cmocka_unit_test(csv_ignores_other_columns_and_says_so),
         cmocka_unit_test(csv_names_the_line_of_what_is_wrong),
