@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common.h"
+#include "host_text.h"
 
 enum { THETA_IN, THETA_OUT, PHI_OUT, RED, GREEN, BLUE, FIELDS, IGNORED = FIELDS, MAX_COLUMNS = 64 };
 
@@ -162,10 +163,10 @@ void csv_parse(struct measurement *out, const char *path, char *text, size_t byt
         die(EXIT_BAD_INPUT,
             "%s: byte %zu is NUL; neither CSV text nor of a format that gtlut formats lists; give another file", path,
             (size_t)(nul - text));
+    text_check_line_ends(path, text);
     measurement_init(out, path);
     measurement_init(&c.turned, path);
-    if (!strncmp(text, "\xef\xbb\xbf", 3)) /* UTF-8 byte order mark */
-        text += 3;
+    text += text_mark((const uint8_t *)text, bytes);
     for (char *line = text, *next; line; line = next) {
         next = strchr(line, '\n');
         char *end = next ? next++ : line + strlen(line);

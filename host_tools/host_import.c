@@ -11,6 +11,7 @@
 #include "host_csv.h"
 #include "host_merl.h"
 #include "host_rgl.h"
+#include "host_text.h"
 #include "host_zemax.h"
 
 #define MAX_FILE_BYTES ((size_t)1 << 30)
@@ -79,6 +80,9 @@ const struct import_format *import_format_find(const char *name)
 const struct import_format *import_format_of(const uint8_t *data, size_t bytes)
 {
     const struct import_format *f = import_formats;
+    size_t mark = text_mark(data, bytes);
+    data += mark;
+    bytes -= mark;
     while (!f->recognise(data, bytes))
         f++;
     return f;

@@ -9,12 +9,24 @@
 
 static const char separators[] = " \t,";
 
+size_t text_mark(const uint8_t *data, size_t bytes)
+{
+    return bytes >= 3 && !memcmp(data, "\xef\xbb\xbf", 3) ? 3 : 0;
+}
+
+void text_check_line_ends(const char *path, const char *text)
+{
+    if (!strchr(text, '\n') && strchr(text, '\r'))
+        die(EXIT_BAD_INPUT, "%s: its lines end in CR alone; save it with LF or CR LF", path);
+}
+
 void text_open(struct text_reader *out, const char *path, uint8_t *data, size_t bytes)
 {
     const uint8_t *nul = memchr(data, 0, bytes);
     if (nul)
         die(EXIT_BAD_INPUT, "%s: byte %zu is NUL in a text format; the file is damaged", path, (size_t)(nul - data));
-    *out = (struct text_reader){.path = path, .rest = (char *)data};
+    text_check_line_ends(path, (char *)data);
+    *out = (struct text_reader){.path = path, .rest = (char *)data + text_mark(data, bytes)};
 }
 
 char *text_line(struct text_reader *r)

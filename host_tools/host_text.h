@@ -18,7 +18,14 @@ struct text_reader {
     bool radians; /* the file's angles, for messages */
 };
 
-/* In: `data` of `bytes` bytes and a NUL after them, cut up in place. Dies with EXIT_BAD_INPUT when there is a NUL within. */
+/* Bytes of the UTF-8 byte order mark that the text begins with: 3 or 0. */
+size_t text_mark(const uint8_t *data, size_t bytes);
+
+/* Dies with EXIT_BAD_INPUT when there are several lines, but none ends in LF. */
+void text_check_line_ends(const char *path, const char *text);
+
+/* In: `data` of `bytes` bytes and a NUL after them, cut up in place. A byte order mark is skipped. Dies with EXIT_BAD_INPUT when there is
+ * a NUL within, or no line ends in LF. */
 void text_open(struct text_reader *out, const char *path, uint8_t *data, size_t bytes);
 
 /* The next line that is neither empty nor a comment (#), trimmed; NULL at the end. */

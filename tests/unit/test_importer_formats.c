@@ -544,6 +544,13 @@ static void formats_are_told_apart_by_content(void **state)
         {"#x\nVARS a,b", "astm"},
         {"VARSITY", "csv"},
         {"Source Measured\nSpectralContent XYZ", "zemax"},
+        {"\xef\xbb\xbf"
+         "VARS a,b",
+         "astm"},
+        {"\xef\xbb\xbf"
+         "31\n400",
+         "cornell"},
+        {"\xef\xbb\xbf", "csv"},
         {"", "csv"},
         {"#", "csv"},
         {"  ", "csv"},
@@ -556,6 +563,26 @@ static void formats_are_told_apart_by_content(void **state)
         if (strcmp(import_format_of(exact, n)->name, cases[i].name))
             fail_msg("case %zu is %s, want %s", i, import_format_of(exact, n)->name, cases[i].name);
         free(exact);
+    }
+}
+
+static void a_byte_order_mark_is_skipped_and_lines_end_in_lf(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        ANGLES "R,G,B\n0,0,0,0,1,2,3\n", "1\n500\n0 0 0 0 1\n",
+        "Symmetry Asymmetrical\nAngleOfIncidence 1\n0\nScatterAzimuth 1\n0\nScatterRadial 1\n0\n"
+        "Monochrome\nDataBegin\nTIS 0\n1\nDataEnd\n",
+        "theta_in,theta_out,phi_out,R,G,B\n0,0,0,1,2,3\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct bytes b = {0};
+        put_text(&b, "\xef\xbb\xbf%s", texts[i]);
+        if (exit_code_of(read_any, &b))
+            fail_msg("text %zu with a byte order mark: %s", i, child_message);
+        for (size_t k = 0; k < b.count; k++)
+            b.data[k] = b.data[k] == '\n' ? '\r' : b.data[k];
+        dies(&b, "in.brdf: its lines end in CR alone");
+        free(b.data);
     }
 }
 
@@ -592,6 +619,7 @@ int main(void)
         cmocka_unit_test(merl_comes_back_in_its_scales),
         cmocka_unit_test(table_comes_back_and_damaged_is_refused),
         cmocka_unit_test(formats_are_told_apart_by_content),
+        cmocka_unit_test(a_byte_order_mark_is_skipped_and_lines_end_in_lf),
         cmocka_unit_test(negative_values_become_zero_and_raw_keeps_everything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
