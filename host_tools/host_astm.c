@@ -81,6 +81,8 @@ static void parse_vars(struct layout *l, const struct text_reader *r, char *name
         die(EXIT_BAD_INPUT,
             "%s:%zu: VARS must name theta_i,phi_i,theta_s,phi_s and R,G,B or X,Y,Z or wavelengths (450nm), each once",
             r->path, r->line);
+    if (l->kind == SPECTRAL)
+        spectral_look_at(r->path, r->line, l->nm, l->values);
 }
 
 static void add_row(struct measurement *out, const struct text_reader *r, const struct layout *l,

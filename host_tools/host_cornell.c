@@ -52,6 +52,7 @@ void cornell_load(struct measurement *out, const char *path, uint8_t *data, size
     }
     if (r.token && *r.token)
         die(EXIT_BAD_INPUT, "%s:%zu: more than %zu wavelengths in this line", path, r.line, wavelengths);
+    spectral_look_at(path, r.line, nm, wavelengths);
     spectral_make(&s, nm, wavelengths, options->illuminant);
 
     struct row *rows = NULL;

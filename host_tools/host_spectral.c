@@ -96,6 +96,16 @@ static void adapt(double rgb[3], const double xyz[3], const double white[3])
     spectral_xyz_to_rgb(rgb, adapted);
 }
 
+void spectral_look_at(const char *path, size_t line, const double *nm, size_t count)
+{
+    double last = FIRST_NM + STEP_NM * (ROWS - 1);
+    for (size_t i = 0; i < count; i++)
+        if (nm[i] >= FIRST_NM && nm[i] <= last)
+            return;
+    warn("%s:%zu: no wavelength within %d..%g nm, the first is %g: the colour is not known; give nanometres", path,
+         line, FIRST_NM, last, nm[0]);
+}
+
 void spectral_make(struct spectral *out, const double *nm, size_t count, enum spectral_illuminant illuminant)
 {
     double white[3] = {0}, (*xyz)[3] = xcalloc(count, sizeof *xyz);

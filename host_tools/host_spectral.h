@@ -18,6 +18,9 @@ struct spectral {
     double (*weight)[3]; /* [count]: linear sRGB is the sum of value * weight; owned */
 };
 
+/* Warns when none of a file's wavelengths is visible: micrometres, or infrared. */
+void spectral_look_at(const char *path, size_t line, const double *nm, size_t count);
+
 /* In: `count` wavelengths in nm, at least 1, strictly ascending. */
 void spectral_make(struct spectral *out, const double *nm, size_t count, enum spectral_illuminant illuminant);
 void spectral_free(struct spectral *s);

@@ -586,6 +586,19 @@ static void a_byte_order_mark_is_skipped_and_lines_end_in_lf(void **state)
     }
 }
 
+static void wavelengths_that_nobody_sees_are_said(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"2\n0.45 0.65\n0 0 0 0 1 2\n", "1\n1064\n0 0 0 0 1\n",
+                                        ANGLES "0.6328\n0,0,0,0,1\n", "1\n632.8\n0 0 0 0 1\n",
+                                        ANGLES "R,G,B\n0,0,0,0,1,1,1\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        assert_int_equal(exit_code_of(read_any, &(struct bytes){(uint8_t *)texts[i], strlen(texts[i])}), 0);
+        if (!strstr(child_message, "no wavelength within 380..780 nm") != (i >= 3))
+            fail_msg("text %zu: %s", i, child_message);
+    }
+}
+
 static void negative_values_become_zero_and_raw_keeps_everything(void **state)
 {
     (void)state;
@@ -620,6 +633,7 @@ int main(void)
         cmocka_unit_test(table_comes_back_and_damaged_is_refused),
         cmocka_unit_test(formats_are_told_apart_by_content),
         cmocka_unit_test(a_byte_order_mark_is_skipped_and_lines_end_in_lf),
+        cmocka_unit_test(wavelengths_that_nobody_sees_are_said),
         cmocka_unit_test(negative_values_become_zero_and_raw_keeps_everything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
