@@ -71,6 +71,10 @@ extern "C" int oiio_read_image(const char *path, size_t max_pixels, int *width, 
         size_t pixels = spec.width > 0 && spec.height > 0 ? size_t(spec.width) * size_t(spec.height) : 0;
         if (!pixels || pixels > max_pixels || spec.nchannels < 1 || spec.nchannels > 4 || spec.depth > 1)
             return fail(err, err_bytes, "an image of 1 to 4 channels within the size limit is wanted");
+        if (!spec.format.is_floating_point())
+            return fail(err, err_bytes,
+                        std::string("pixels are ") + spec.format.c_str() +
+                            ", linear floats are wanted: EXR or Radiance HDR");
         int channels = spec.nchannels >= 3 ? 3 : 1;
         *width = spec.width;
         *height = spec.height;

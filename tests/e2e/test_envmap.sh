@@ -83,6 +83,8 @@ check "no such map: 3" bad 3 'none.exr: No such file' --envmap "$work/none.exr"
 echo "not an image" >"$work/text.exr"
 check "not an image: 4" bad 4 'text.exr: .*; give an intact image' --envmap "$work/text.exr"
 head -c 3000 "$work/constant.hdr" >"$work/cut.hdr"
+"$B/gtsim" render "$work/s.blob" --size 16x8 -o "$work/sky.png" || exit 1
+check "a picture of encoded integers is no radiance: 4" bad 4 'sky.png: pixels are uint8, linear floats are wanted: EXR or Radiance HDR' --envmap "$work/sky.png"
 check "a truncated map: 4" bad 4 'cut.hdr: .*; give an intact image' --envmap "$work/cut.hdr"
 check "a black map: 4" bad 4 'black.hdr: black all over; give a map that holds light' --envmap "$work/black.hdr"
 check "a light too bright for the blob: 4, and the scale that would do" eval 'bad 4 "irradiance of [0-9.]+, the limit is 256; give --envmap-scale [0-9.e-]+$" --envmap "$work/sun.hdr" &&
