@@ -12,6 +12,7 @@
 
 #define MAX_COORDINATE 32767.0 /* of q16_16_t */
 #define MAX_POWER      800000  /* 4 pi times the largest intensity */
+#define MAX_BRIGHT     256     /* irradiance and exposure */
 
 static const double pi = 3.14159265358979323846;
 
@@ -151,7 +152,7 @@ static error_t parse_light(int key, char *arg, struct argp_state *state)
         a->given |= DIRECTION;
         return 0;
     case 'i':
-        parse_triple(a->irradiance, "--irradiance", arg, 0, MAX_COORDINATE);
+        parse_triple(a->irradiance, "--irradiance", arg, 0, MAX_BRIGHT);
         a->given |= IRRADIANCE;
         return 0;
     case 'x':
@@ -208,7 +209,8 @@ static void set_light(int argc, char **argv)
     static const struct argp_option options[] = {
         {0, 0, 0, 0, "A directional light:", 1},
         {"direction", 'd', "X,Y,Z", 0, "towards the light, in world space, of any length", 0},
-        {"irradiance", 'i', "R,G,B", 0, "on a surface facing it, linear sRGB; 3.14159 shows white diffuse as white", 0},
+        {"irradiance", 'i', "R,G,B", 0,
+         "on a surface facing it, linear sRGB, 0 to 256; 3.14159 shows white diffuse as white", 0},
         {0, 0, 0, 0, "A point light:", 2},
         {"position", 'x', "X,Y,Z", 0, "where it is, in world units", 0},
         {"power", 'w', "R,G,B", 0,
@@ -252,7 +254,7 @@ static error_t parse_output(int key, char *arg, struct argp_state *state)
     struct output_args *a = state->input;
     switch (key) {
     case 'x':
-        a->exposure = parse_double("--exposure", arg, 0, MAX_COORDINATE);
+        a->exposure = parse_double("--exposure", arg, 0, MAX_BRIGHT);
         a->given |= 1;
         return 0;
     case 'c':
@@ -277,7 +279,7 @@ static error_t parse_output(int key, char *arg, struct argp_state *state)
 static void set_output(int argc, char **argv)
 {
     static const struct argp_option options[] = {
-        {"exposure", 'x', "FACTOR", 0, "multiplies every light", 0},
+        {"exposure", 'x', "FACTOR", 0, "multiplies every light, 0 to 256", 0},
         {"tone", 'c', "none|aces|linear", 0, "tone curve", 0},
         {"background", 'b', "R,G,B", 0, "sRGB, 0 to 255, where there is no surface", 0},
         {0}};

@@ -69,9 +69,11 @@ usage light_index_out_of_range "gtusb: set: INDEX: '128' is not .*" set light 12
 usage light_without_direction 'gtusb: set: --direction: 0,0,0 has none; .*' \
     set light 0 --direction 0,0,0 --irradiance 1,1,1
 usage light_negative_irradiance "gtusb: set: --irradiance: '-1' is not .*" set light 0 --irradiance 1,-1,1
+usage light_irradiance_out_of_range "gtusb: set: --irradiance: '256.5' is not a number from 0 to 256" set light 0 --irradiance 1,256.5,1
 usage output_incomplete 'gtusb: set: --exposure, --tone and --background are all needed; .*' set output --exposure 1
 usage output_unknown_tone "gtusb: set: --tone: no curve 'film'; it is none, aces or linear" set output --tone film
 usage output_background_out_of_range "gtusb: set: --background: '256' is not .*" set output --background 0,0,256
+usage output_exposure_too_long "gtusb: set: --exposure: '257' is not a number from 0 to 256" set output --exposure 257
 usage output_exposure_out_of_range "gtusb: set: --exposure: '-1' is not .*" set output --exposure -1
 usage timeout_zero "gtusb: info: --timeout: '0' is not .*" info --timeout 0
 usage frame_without_output 'gtusb: frame: no output file; give -o FILE.png' frame
