@@ -10,6 +10,7 @@
 #include "gtlut_json.h"
 #include "gtlut_table.h"
 #include "host_atlas.h"
+#include "host_import.h"
 #include "host_measurement.h"
 #include "host_metrics.h"
 
@@ -278,6 +279,9 @@ static void describe_measurement(const char *path, void *data, size_t bytes, boo
 {
     struct measurement m;
     struct measurement_grid g;
+    const char *format = import_format_of(data, bytes)->name;
+    if (strcmp(format, "gtm") && strcmp(format, "csv") && strcmp(format, "rgl"))
+        die(EXIT_BAD_INPUT, "%s: is %s; gtlut import it first", path, format);
     measurement_load(&m, path, data, bytes);
     measurement_grid_make(&g, &m, path);
     (json ? json_measurement : print_measurement)(&m, &g, bytes);

@@ -297,6 +297,7 @@ half_vector_refusals() {
     refused 4 'not a measurement, a specular_frame table needs one' build hv.ktx2 --kind specular_frame -o out.ktx2 || return 1
     printf 'Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\n' >zemax.bsdf
     refused 4 'zemax.bsdf: is zemax; gtlut import it first' build zemax.bsdf -o out.ktx2 || return 1
+    refused 4 'zemax.bsdf: is zemax; gtlut import it first' info zemax.bsdf || return 1
     refused 4 'white.csv:1: not a table of shifted-gamma fits' build white.csv:gold -o out.ktx2 || return 1
     refused 3 'missing.csv:gold: No such file' build missing.csv:gold -o out.ktx2 || return 1
     refused 3 'none/out.ktx2: No such file' build hv.ktx2 --size 1K -o none/out.ktx2
