@@ -74,7 +74,7 @@ static void parse_header(struct csv *c, char *line)
 static void check_angle(const struct csv *c, int f, double x)
 {
     double lo = f == PHI_OUT ? -360 : 0, hi = f == PHI_OUT ? 360 : 90;
-    if (!(x >= lo && x <= hi) || (f == THETA_IN && x == 90))
+    if (!(x >= lo && x <= hi) || (f == THETA_IN && (float)x >= 90)) /* as it is kept */
         die(EXIT_BAD_INPUT, "%s:%zu: %s is %g, outside %g..%g%s; angles are in degrees", c->path, c->line,
             field_names[f], x, lo, hi, f == THETA_IN ? " (exclusive)" : "");
 }

@@ -126,7 +126,7 @@ void text_add(struct measurement *m, const struct text_reader *r, const double a
     phi_out += theta_out < 0 ? 180 : 0;
     theta_in = fabs(theta_in);
     theta_out = fabs(theta_out);
-    if (!(theta_in < 90 - 1e-6) || !(theta_out < 90 + 1e-4) || !(fabs(phi_in) <= 1e4) || !(fabs(phi_out) <= 1e4))
+    if (!((float)theta_in < 90) || !(theta_out < 90 + 1e-4) || !(fabs(phi_in) <= 1e4) || !(fabs(phi_out) <= 1e4))
         die(EXIT_BAD_INPUT,
             "%s:%zu: theta %g in and %g out, phi %g in and %g out, in %s; theta must be below %s (reflection only)",
             r->path, r->line, theta_in * unit, theta_out * unit, phi_in * unit, phi_out * unit,

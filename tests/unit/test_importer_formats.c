@@ -191,6 +191,8 @@ static void astm_says_what_is_wrong(void **state)
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1,x\n", "in.brdf:2: 'x' where a number");
     text_dies(ANGLES "R,G,B\n0,0,45,0,1,1,1\n",
               "in.brdf:2: theta 0 in and 45 out, phi 0 in and 0 out, in radians; theta must be below pi/2");
+    text_dies(ANGLES "R,G,B\n1.57079628,0,0,0,1,1,1\n",
+              "in.brdf:2: theta 1.5708 in and 0 out"); /* 90 degrees as a float */
     text_dies(ANGLES "R,G,B\n0,0,0,0,1,1,inf\n", "is not finite");
     text_dies(ANGLES "R,G,B\n", "no samples");
 }

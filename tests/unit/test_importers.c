@@ -141,6 +141,7 @@ static void csv_names_the_line_of_what_is_wrong(void **state)
     csv_dies(HEADER "0,0,0,1,1,0x1p3\n", "in.csv:2: B is '0x1p3', not a number; write decimal");
     csv_dies("theta_in;theta_out;phi_out;R;G;B\n0;0;0;1;1;1\n", "separate columns by commas");
     csv_dies("theta_in\ttheta_out\tphi_out\tR\tG\tB\n", "separate columns by commas");
+    csv_dies("theta_in,theta_out,phi_out,R,G,B\n89.9999999,0,0,1,1,1\n", "theta_in is 90, outside 0..90 (exclusive)");
     csv_dies("theta_in theta_out phi_out R G B\n0 0 0 1 1 1\n", "separate columns by commas");
     csv_dies(HEADER "0,0,0,1,1\n", "in.csv:2: 5 columns where the header names 6");
     csv_dies(HEADER "0,0,0,1,1,1,1\n", "in.csv:2: 7 columns where the header names 6");
