@@ -32,11 +32,14 @@ static void check_file(const char *path)
     if (!is_known)
         die(EXIT_BAD_INPUT, "%s: not a mesh file this program reads; give an .obj, .ply, .gltf or .glb", path);
     FILE *f = fopen(path, "rb");
-    if (!f || fgetc(f) == EOF) {
+    unsigned char start[3] = {0};
+    if (!f || !fread(start, 1, sizeof start, f)) {
         if (!f || ferror(f))
             die(EXIT_FILE, "%s: %s; give a readable mesh file", path, strerror(errno));
         die(EXIT_BAD_INPUT, "%s: the mesh file is empty; is it the right file?", path);
     }
+    if (!memcmp(start, "\xef\xbb\xbf", 3))
+        die(EXIT_BAD_INPUT, "%s: begins with a byte order mark; save it without", path);
     long bytes = fseek(f, 0, SEEK_END) ? -1 : ftell(f);
     if (bytes > MAX_FILE_BYTES)
         die(EXIT_BAD_INPUT, "%s: %ld bytes, more than the limit of %ld; simplify the mesh", path, bytes,

@@ -242,6 +242,8 @@ check "a mesh without area is refused" bad_mesh flat.obj 4 'flat\.obj: no triang
 check "a mesh without extent is refused" bad_mesh dot.obj 4 'dot\.obj: the mesh is 0 across'
 check "a position that is not a number is refused" bad_mesh nan.obj 4 'nan\.obj'
 check "an empty mesh file is refused" bad_mesh empty.obj 4 'empty\.obj: the mesh file is empty'
+{ printf '\357\273\277' && cat "$work/tetra.obj"; } >"$work/mark.obj"
+check "a mesh file with a byte order mark is refused" bad_mesh mark.obj 4 'mark\.obj: begins with a byte order mark; save it without'
 check "noise as a mesh is refused" bad_mesh noise.glb 4 'noise\.glb'
 check "a mesh of another type is refused" bad_mesh tetra.stl 4 'tetra\.stl: not a mesh file this program reads'
 
