@@ -64,9 +64,9 @@ bool gtlut_import_grid(struct measurement *m, const struct import_options *o, co
     if (!problem)
         return false;
     struct measurement grid;
+    measurement_resample(&grid, m, o->geometry);
     warn("%s: %zu samples at %zu angles of incidence resampled to the directions of %s", path, m->count,
          measurement_slice_count(m), o->geometry->name);
-    measurement_resample(&grid, m, o->geometry);
     measurement_free(m);
     *m = grid;
     return true;

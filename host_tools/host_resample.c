@@ -7,6 +7,9 @@
 #include "common.h"
 
 enum { NEAREST = 12, BUCKETS = 48 };
+enum {
+    MOST_SPARSE = 90
+}; /* angles of incidence with fewer samples than NEAREST: what lies between two of them is a guess */
 
 static const double pi = 3.14159265358979323846;
 
@@ -276,6 +279,12 @@ static enum measurement_mark cloud_value(double rgb[3], const void *ctx, double 
 void measurement_resample(struct measurement *out, const struct measurement *m, const struct measurement_geometry *g)
 {
     struct cloud cloud;
+    size_t slices = measurement_slice_count(m);
+    if (slices > MOST_SPARSE && m->count < NEAREST * slices)
+        die(EXIT_BAD_INPUT,
+            "%s: %zu samples at %zu angles of incidence, fewer than %d at each; round theta_in to the angles that were "
+            "meant",
+            m->source, m->count, slices, NEAREST);
     cloud_make(&cloud, m);
     measurement_init(out, m->source);
     measurement_sample(out, g, cloud_value, &cloud, cloud.slices[cloud.count - 1].theta_in * 180 / pi);

@@ -11,6 +11,7 @@
  * lobes stay whole; within one, by a moving least-squares plane through the nearest samples (Levin 1998), which meets each
  * sample and never leaves their range. Beyond the first and last angle of incidence, and outside the hull of the nearest samples,
  * the nearest known values are carried on and marked as extrapolated. In: `cloud` with at least one sample, values finite.
+ * Dies with EXIT_BAD_INPUT when there are many angles of incidence with hardly a sample each.
  */
 void measurement_resample(struct measurement *out, const struct measurement *cloud,
                           const struct measurement_geometry *g);

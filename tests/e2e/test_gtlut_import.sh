@@ -49,6 +49,15 @@ imports_cornell() {
 }
 check "scattered spectral samples are resampled, said so, and marked where they end" imports_cornell
 
+# An encoder that reads 30 degrees a little differently each time: no two samples share their angle of incidence.
+refuses_jitter() {
+    { echo 1; echo 550; awk 'BEGIN { for (k = 0; k < 900; k++) print 30 + k * 0.01 % 0.37 + k * 1e-5, 0, k % 80, k * 7 % 360, 0.2 }'; } >jitter.brdf
+    refused 4 'jitter.brdf: 900 samples at [0-9]+ angles of incidence, fewer than 12 at each; round theta_in' import jitter.brdf -o out.gtm &&
+        refused 4 'round theta_in' check jitter.brdf || return 1
+    awk -v OFS=' ' 'NR > 2 { $1 = 30 } 1' jitter.brdf >steady.brdf && "$G" import steady.brdf -o steady.gtm 2>err || { cat err; return 1; }
+}
+check "angles of incidence that jitter are refused rather than resampled from next to nothing" refuses_jitter
+
 imports_zemax() {
     { echo '#test'; printf 'Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nSampleRotation 1\n0\n'
       printf 'AngleOfIncidence 2\n0 40\nScatterAzimuth 7\n0 30 60 90 120 150 180\nScatterRadial 6\n0 10 30 50 70 90\n\nMonochrome\nDataBegin\n'
