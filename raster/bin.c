@@ -444,14 +444,17 @@ enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, 
     }
     r->object_count = 0;
     list_objects(&b);
-    for (b.bias = arena && !b.objects_stored ? MAX_BIAS : 0;; b.bias++) {
+    bool fitted = false, back = false; /* coarser levels, which a budget asks for, may take more runs */
+    for (b.bias = arena && !b.objects_stored ? MAX_BIAS : 0;; b.bias += back ? -1u : 1u) {
         if (b.objects_stored)
             store_bins(&b);
         else
             count_bins(&b);
         const bool too_much = !b.full && b.objects_stored && r->bounds && f->bounds->too_much(r, b.bias);
-        if ((!b.full && !too_much) || b.coarsest || b.bias == MAX_BIAS)
+        if ((!b.full && !too_much) || back || (!(b.full && fitted) && (b.coarsest || b.bias == MAX_BIAS)))
             break;
+        back = b.full && fitted;
+        fitted = !b.full;
     }
     r->lod_bias = b.bias;
     const bool stored = b.objects_stored && !b.full;

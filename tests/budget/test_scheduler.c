@@ -15,6 +15,7 @@
 
 #include "../unit/device_fixture.h"
 #include "common.h"
+#include "costs/cortex_m7.h"
 #include "scenes.h"
 
 enum { WIDTH = 320, HEIGHT = 240, PICTURE = 3 * WIDTH * HEIGHT, MOST_SAMPLES = 1 << 16 };
@@ -496,6 +497,53 @@ static void an_animation_does_not_pop(void **unused)
     sim_device_destroy(d);
 }
 
+/* Coarser levels may take more runs of the arena than finer ones: the budget then goes without them. */
+static void a_budget_takes_no_more_arena_than_the_levels_that_the_scene_asks_for(void **unused)
+{
+    (void)unused;
+    static const struct lut_table *const none[RASTER_MAX_SLOTS];
+    struct raster r;
+    uint32_t coarsened = 0;
+    for (uint32_t seed = 0; seed < 40; seed++) {
+        struct scene s;
+        struct scene_material materials[SCENE_MAX_MATERIALS];
+        size_t bytes;
+        void *blob = scenes_make(seed ? SCENES_RANDOM : SCENES_LIGHTS, seed, &bytes);
+        assert_int_equal(scene_open(&s, blob, bytes), SCENE_OK);
+        for (uint32_t i = 0; i < s.header->materials.count; i++) {
+            materials[i] = s.materials[i];
+            materials[i].kind = SCENE_MATERIAL_LAFORTUNE_PHONG;
+        }
+        struct raster_frame f = {.parts = &raster_all_parts,
+                                 .scene = &s,
+                                 .camera = &s.header->camera,
+                                 .output = &s.header->output,
+                                 .lights = s.lights,
+                                 .materials = materials,
+                                 .tables = none,
+                                 .width = WIDTH,
+                                 .height = HEIGHT,
+                                 .light_count = (uint8_t)s.header->lights.count,
+                                 .format = RASTER_RGB888,
+                                 .costs = &costs_cortex_m7,
+                                 .bounds = &raster_tile_bounds};
+        const size_t needed = raster_arena_bytes(&f);
+        void *arena = malloc(needed);
+        assert_int_equal(raster_begin(&r, &f, arena, needed), RASTER_OK);
+        const uint32_t least = r.budget_needed;
+        for (uint32_t times = 4; times; times--) {
+            f.tile_budget = least * times;
+            assert_string_equal(raster_status_text(raster_begin(&r, &f, arena, needed)), raster_status_text(RASTER_OK));
+            assert_int_equal(r.budget_needed, least);
+            assert_true(r.arena_needed <= needed);
+            coarsened += r.lod_bias != 0;
+        }
+        free(arena);
+        free(blob);
+    }
+    assert_true(coarsened > 40);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -508,6 +556,7 @@ int main(void)
         cmocka_unit_test(the_host_sets_budgets_and_reads_what_they_cost),
         cmocka_unit_test(firmware_without_budgets_refuses_any),
         cmocka_unit_test(a_frame_that_a_budget_no_longer_allows_is_refused_with_the_least),
+        cmocka_unit_test(a_budget_takes_no_more_arena_than_the_levels_that_the_scene_asks_for),
         cmocka_unit_test(an_animation_does_not_pop),
     };
     if (!getenv("GONIOTILE_DEMO") || !getenv("GONIOTILE_SIX_MODELS"))
