@@ -29,8 +29,10 @@ static bool costs_valid(const struct raster_costs *c)
 
 static bool config_valid(const struct hal *hal, const struct app_config *c)
 {
-    if (c->width == 0 || c->width > RASTER_MAX_WIDTH || c->height == 0 || c->height > RASTER_MAX_HEIGHT ||
-        c->format > RASTER_RGB888 || (c->samples > 1 && c->samples != 4) || c->slot_count < 2 ||
+    const unsigned shift = c->samples == 4;
+    if (c->width == 0 || c->width > RASTER_MAX_WIDTH >> shift || c->height == 0 ||
+        c->height > RASTER_MAX_HEIGHT >> shift || c->format > RASTER_RGB888 || (c->samples > 1 && c->samples != 4) ||
+        (shift && (RASTER_TILE_WIDTH < 32 || RASTER_TILE_HEIGHT < 32)) || c->slot_count < 2 ||
         c->slot_count > USB_MAX_SLOTS)
         return false;
     if (!c->parts || !c->arena || (uintptr_t)c->arena % 8 != 0 || !c->serial)

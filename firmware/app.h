@@ -16,7 +16,7 @@
 struct app_config {
     uint16_t width, height;           /* of the picture */
     uint8_t format;                   /* enum raster_format, for display and USB */
-    uint8_t samples;                  /* per pixel: 4 smooths edges, 0 or 1 not; see raster_frame */
+    uint8_t samples;                  /* per pixel: 4 smooths edges, up to 2048 x 2048; 0 or 1 not; see raster_frame */
     uint8_t slot_count;               /* 2..USB_MAX_SLOTS: the scene's and the table slots */
     uint32_t scene_bank_bytes;        /* of slot 0, a multiple of the flash block; 0: an equal share of the flash for
                                   every bank */

@@ -37,10 +37,31 @@ static void costs_out_of_range_are_refused(void **state)
     sim_device_destroy(d);
 }
 
+/* What raster_begin would refuse of every frame is refused at the start. */
+static void pictures_with_4_samples_are_at_most_half_as_wide_and_high(void **state)
+{
+    (void)state;
+    struct app app;
+    struct sim_device *d = fixture_device(false, false);
+    struct app_config config = d->app.config;
+    config.samples = 4;
+    for (unsigned i = 0; i < 2; i++) {
+        uint16_t *edge = i ? &config.height : &config.width;
+        const uint16_t was = *edge;
+        *edge = RASTER_MAX_WIDTH / 2;
+        assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
+        ++*edge;
+        assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
+        *edge = was;
+    }
+    sim_device_destroy(d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(costs_out_of_range_are_refused),
+        cmocka_unit_test(pictures_with_4_samples_are_at_most_half_as_wide_and_high),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
