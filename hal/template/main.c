@@ -27,7 +27,7 @@ static const struct raster_parts parts = {
 /* [ ] Large enough for the scenes to come: a frame that needs more is refused, and the reply says how much it takes. */
 static uint64_t arena[16 * 1024 / 8];
 /* [ ] The flash region for scene and tables, not an array; 4-aligned, outside the program, of blocks of one size. */
-static const uint8_t flash[FLASH_BYTES];
+static const _Alignas(4) uint8_t flash[FLASH_BYTES];
 
 /* [ ] Rows follow each other without gap; RGB565 is little-endian in memory: many panels want it swapped.
  * [ ] `pixels` may be overwritten on return: wait for the DMA that reads it, or copy.
