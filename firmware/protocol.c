@@ -18,17 +18,29 @@ void protocol_clear_out(struct protocol *p)
         protocol_done(p);
 }
 
+void protocol_done(struct protocol *p)
+{
+    p->state = PROTOCOL_HEADER;
+    p->filled = 0;
+}
+
+/* A request that is refused is dealt with. */
+static void refused_done(struct protocol *p)
+{
+    protocol_done(p);
+    if (p->refusal_halts) { /* where the next header begins is unknown: clearing the halt drops what came behind */
+        usb_device_halt_out(p->usb);
+        p->state = PROTOCOL_HALTED;
+    }
+}
+
 void protocol_clear_in(struct protocol *p)
 {
     p->sending = false;
     if (p->state == PROTOCOL_REQUEST)
         protocol_done(p);
-}
-
-void protocol_done(struct protocol *p)
-{
-    p->state = PROTOCOL_HEADER;
-    p->filled = 0;
+    else if (p->state == PROTOCOL_REFUSED)
+        refused_done(p);
 }
 
 static void refuse_later(struct protocol *p, enum usb_status why, uint32_t detail)
@@ -100,11 +112,7 @@ static void packet_take(struct protocol *p)
 static void refuse(struct protocol *p)
 {
     protocol_reply(p, p->refusal, p->refusal_detail, NULL, 0, NULL, 0);
-    protocol_done(p);
-    if (p->refusal_halts) { /* where the next header begins is unknown: clearing the halt drops what came behind */
-        usb_device_halt_out(p->usb);
-        p->state = PROTOCOL_HALTED;
-    }
+    refused_done(p);
 }
 
 void protocol_receive(struct protocol *p)

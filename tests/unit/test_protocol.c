@@ -321,6 +321,31 @@ static void foreign_headers_are_answered_then_stalled_until_cleared(void **state
     sim_device_destroy(d);
 }
 
+/* Nine replies are more than the controller's 64 packets: the refusal waits for the last one when the endpoint is cleared. */
+static void clearing_the_in_endpoint_drops_a_refusal_that_waits(void **state)
+{
+    (void)state;
+    struct sim_device *d = fixture_device(false, false);
+    struct stream s = {.bytes = 0};
+    uint8_t packet[64];
+    for (int i = 0; i < 9; i++)
+        stream_add(&s, USB_MSG_INFO, NULL, 0);
+    memset(s.data + s.bytes, 0, sizeof(struct usb_header)); /* no header */
+    s.bytes += sizeof(struct usb_header);
+    assert_int_equal(sim_out(d->board, 1, s.data, s.bytes), s.bytes);
+    for (int i = 0; i < 20; i++)
+        sim_device_poll(d);
+    assert_int_equal(sim_out(d->board, 1, NULL, 0), 0); /* not yet refused */
+    clear_halt(d, 0x81);
+    for (int i = 0; i < 20; i++)
+        sim_device_poll(d);
+    assert_int_equal(sim_in(d->board, 0x81, packet, sizeof packet), SIM_NAK);
+    assert_int_equal(sim_out(d->board, 1, NULL, 0), SIM_STALL); /* where the next one begins is unknown as ever */
+    clear_halt(d, 0x01);
+    assert_int_equal(info(d).slot_count, 3);
+    sim_device_destroy(d);
+}
+
 static void wrong_lengths_are_drained_and_refused(void **state)
 {
     static const struct {
@@ -573,6 +598,7 @@ int main(void)
         cmocka_unit_test(content_survives_a_power_cycle),
         cmocka_unit_test(flash_file_carries_the_content_over),
         cmocka_unit_test(foreign_headers_are_answered_then_stalled_until_cleared),
+        cmocka_unit_test(clearing_the_in_endpoint_drops_a_refusal_that_waits),
         cmocka_unit_test(wrong_lengths_are_drained_and_refused),
         cmocka_unit_test(unknown_messages_are_refused),
         cmocka_unit_test(uploads_out_of_order_are_refused),
