@@ -42,8 +42,8 @@ struct hal {
     uint32_t (*clock)(void *ctx);
 
     /* A finished tile, a frame's in any order: w*h pixels, rows without padding, in the format of app_config.
-     * NULL: no display. The pixels may be overwritten when the call returns. Returns HAL_OK or HAL_ERROR (ignored
-     * by the renderer, counted). */
+     * NULL: no display. The pixels may be overwritten when the call returns, so that it may take as long as their transfer, which
+     * is in no tile's ticks. Returns HAL_OK or HAL_ERROR: the firmware goes on with the next tile. */
     int (*display_write)(void *ctx, uint16_t x, uint16_t y, uint16_t w, uint16_t h, const void *pixels);
 
     /* --- USB device controller. Endpoint numbers carry the direction in bit 7 (0x80 = IN, device to host).
