@@ -305,7 +305,7 @@ size_t raster_arena_bytes(const struct raster_frame *f);
 /*
  * Chooses levels of detail, culls and bins. In: arena of `bytes` bytes, 8-aligned, used until the frame's last tile. When the
  * arena is too small, or 16-bit ids run out, the threshold (of 0: 1/16 px) is doubled until the frame fits: no triangle is
- * ever left out; it is doubled, too, while under a budget some tile is expected to need its coarsest levels. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE, RASTER_ERR_MODEL) and r->budget_needed
+ * ever left out; it is doubled, too, while under a budget some tile is expected to need its coarsest levels, as far as the arena goes. On error *r is not a frame, but r->arena_needed (RASTER_ERR_ARENA) and r->bad_material (RASTER_ERR_TABLE, RASTER_ERR_MODEL) and r->budget_needed
  * (RASTER_ERR_BUDGET) are set.
  */
 enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes);
