@@ -99,7 +99,7 @@ struct app {
 
 /* In: *hal and what *config points to stay owned by the caller and must outlive *app; *config is copied.
  * Reads all live flash content once (CRC). APP_ERR_CONFIG: a field out of range; APP_ERR_FLASH: the flash is
- * too small for the slots. */
+ * too small for the slots, or its blocks are not as hal.h says. */
 enum app_status app_init(struct app *app, const struct hal *hal, const struct app_config *config);
 
 /*

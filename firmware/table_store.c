@@ -220,6 +220,8 @@ bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot
     __builtin_memset(s, 0, sizeof *s);
     s->hal = hal;
     s->slot_count = slot_count;
+    if (block < TABLE_STORE_DATA_OFFSET || block & (block - 1))
+        return false;
     if (scene_bank_bytes == 0)
         scene_bank_bytes = hal->flash_bytes / (tables + 2) & ~(block - 1);
     if (scene_bank_bytes < block || scene_bank_bytes > hal->flash_bytes / 2 || scene_bank_bytes & (block - 1))

@@ -86,7 +86,7 @@ struct table_store_result {
 /* Lays the banks out (slot 0's two, then the others', equal, whole blocks), finds what is live, opens an upload that a power cut
  * left, and scrubs torn banks beside live ones where writing is allowed. In:
  * slot_count 2..USB_MAX_SLOTS; scene_bank_bytes of each of slot 0's banks, 0 = as large as the others. False
- * when the flash is too small. */
+ * when the flash is too small, or its blocks are not as hal.h says. */
 bool table_store_init(struct table_store *s, const struct hal *hal, uint8_t slot_count, uint32_t scene_bank_bytes);
 
 /* Largest content of a slot, bytes. */

@@ -539,6 +539,19 @@ static void flash_too_small_for_the_slots_is_refused(void **state)
     assert_true(table_store_init(&s, &hal, SLOTS, 0));
 }
 
+/* AT45 flash has pages of 264 and 1056 bytes, for one. */
+static void blocks_that_are_no_power_of_two_or_below_256_bytes_are_refused(void **state)
+{
+    struct fixture *f = *state;
+    static const uint32_t blocks[] = {1, 128, 255, 264, 1056, 3000};
+    struct hal hal = *sim_hal(f->board);
+    struct table_store s;
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) {
+        hal.flash_block_bytes = blocks[i];
+        assert_false(table_store_init(&s, &hal, SLOTS, 0));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -561,6 +574,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(blocks_are_erased_as_the_data_arrives, setup, teardown),
         cmocka_unit_test_setup_teardown(begin_refuses_what_cannot_be_stored, setup, teardown),
         cmocka_unit_test_setup_teardown(flash_too_small_for_the_slots_is_refused, setup, teardown),
+        cmocka_unit_test_setup_teardown(blocks_that_are_no_power_of_two_or_below_256_bytes_are_refused, setup,
+                                        teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
