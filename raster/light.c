@@ -460,7 +460,7 @@ void raster_block_setup(struct raster_block *out, const struct raster *r, uint32
                         uint32_t y, unsigned shift, bool exact)
 {
     const uint32_t middle = shift ? 0 : 1u << RASTER_REGION_SHIFT >> 1;
-    if (out->x == x && out->y == y && out->shift == shift && out->exact == exact)
+    if (out->shift == shift && out->x == x && out->y == y && out->exact == exact)
         return;
     out->x = x;
     out->y = y;

@@ -80,8 +80,8 @@ ladder=half_vector_64K
 for target in x86-64 "${targets[@]}"; do
     unit=$(awk -F, -v t="$target" '$1 == t { print $6; exit }' "$csv")
     for kind in "${kinds[@]}"; do
-        grep "^$target,$kind,.*,[0-9]*,[0-9x]*\(flat\)\?," "$csv" >"$work/$kind.points" || true # of all taps
-        grep "^$target,$kind,.*/[41]," "$csv" >"$work/$kind.fewer" || true
+        grep "^$target,$kind,[0-9]*,[0-9a-z]*," "$csv" >"$work/$kind.points" || true # of all taps
+        grep "^$target,$kind,[0-9]*,[0-9x]*/" "$csv" >"$work/$kind.fewer" || true
     done
     # Cheapest first; a step to each.
     awk -F, -v OFS=, -v t="$target" '$1 == t && $10 == 1 { if (n++) print $5, last; print $5, $7; last = $7 }' "$csv" >"$work/front"
@@ -99,7 +99,7 @@ $(for n in "${!kinds[@]}"; do
     '$work/$ladder.points' using 5:7 with points pt 6 ps 1.6 lw 2 lc rgb '#222222' title 'the ladder', \\
     '$work/$ladder.points' using 5:7:4 with labels offset -1.1,-0.6 right font ',12' notitle, \\
     '$work/$ladder.fewer' using 5:7 with points pt 4 ps 1.1 lw 1.5 lc rgb '#222222' title '... by 4 taps or 1', \\
-    '$work/$ladder.fewer' using 5:7:(\$5 > $(awk -F, '$4 == "2x1/1" { print $5 }' "$work/$ladder.fewer") ? strcol(4) : '') with labels offset -1.1,-0.6 right font ',10' notitle
+    '$work/$ladder.fewer' using 5:7:(\$5 > $(awk -F, '$4 == "2x1" { print $5 }' "$work/$ladder.points") ? strcol(4) : '') with labels offset -1.1,-0.6 right font ',10' notitle
 GNUPLOT
 done
 
