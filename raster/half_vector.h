@@ -35,9 +35,8 @@ typedef uint32_t raster_half_vector(struct raster_batch *b, uint32_t first, uint
 raster_half_vector raster_half_vector_plain;  /* any table; half_vector.c */
 raster_half_vector raster_half_vector_packed; /* table->slabs != NULL */
 raster_half_vector raster_half_vector_arm;    /* the same where RASTER_ARM; half_vector_arm.c */
-raster_half_vector
-    raster_half_vector_wide; /* any table, by as many taps as the batch says, where RASTER_WIDE; half_vector_wide.c */
-/* The first three by the batch's fewer taps. */
+raster_half_vector raster_half_vector_wide;   /* any table and taps, where RASTER_WIDE; half_vector_wide.c */
+/* By the batch's fewer taps, as the first three. */
 raster_half_vector raster_half_vector_fewer_plain;
 raster_half_vector raster_half_vector_fewer_packed;
 raster_half_vector raster_half_vector_fewer_arm;

@@ -18,6 +18,20 @@
  * normals are linear on the screen, so the mean is the interpolated normal of the pixels' centroid. Edges of objects, materials and
  * meshlets stay as sharp as ever. With 4 samples per pixel a cell has at most 4 x 4 of them. The last rate, flat, shades every meshlet once for the whole tile, by its mean normal: whatever the
  * surface is, at most RASTER_SLOTS - 1 evaluations.
+ *
+ * Taps. How many texels of a half-vector table a pixel and light are evaluated by.
+ *
+ * What a rung takes, of a class in a tile, with the costs below: for each material and region of it `region`, and for each of its blocks and
+ * directional lights `material`; and samples x (sample + lit lights x (lit - taps) + others x dark + point lights x point), and at rates 2x1 to
+ * 4x4 parts x part + samples x cell, parts being its meshlets in cells of 4x4. Flat: `flat` a region, and its meshlets x shading.flat. In rows at 1x1:
+ * pixels x (sample + lights x lit) + runs x material.
+ *
+ * What it errs, measured: six models at 320x240, all surfaces alike, samples and squared error of the picture against full quality; mean dE of the
+ * models against their measurements in double precision, 0.19 at full quality (report, chapter 8):
+ *   rate     1x1   2x1   2x2   4x2   4x4   flat     1x1 by 4 taps   by 1
+ *   samples  1     0.59  0.35  0.22  0.14  0.03     1               1
+ *   dB       -     35.1  32.1  29.4  27.9  22.0     59.0            48.5
+ *   dE       0.19  1.12  1.75  2.34  3.01  8.20     0.23            0.55
  */
 #ifndef RASTER_QUALITY_H
 #define RASTER_QUALITY_H
