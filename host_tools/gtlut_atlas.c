@@ -138,7 +138,7 @@ static void make_atlas(const struct options *o, char **paths, int count)
 static uint32_t *image_texels(const struct options *o, const char *path)
 {
     int w, h;
-    float *pixels = image_read_rgb(&w, &h, path);
+    float *pixels = image_read_rgb(&w, &h, path, true);
     const size_t slice_width = (size_t)o->columns * o->width, slice_height = (size_t)o->rows * o->height;
     const size_t columns = (size_t)w / slice_width, rows = (size_t)h / slice_height;
     if (columns * slice_width != (size_t)w || rows * slice_height != (size_t)h || columns * rows < o->depth ||

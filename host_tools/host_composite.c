@@ -58,7 +58,7 @@ void composite_load(struct measurement *out, const char *path, uint8_t *data, si
         die(EXIT_USAGE, "%s: an image does not say its axes; give --axes WIDTHxHEIGHTxSLICES and --theta-max DEGREES",
             path);
     int w, h;
-    float *pixels = image_read_rgb(&w, &h, path);
+    float *pixels = image_read_rgb(&w, &h, path, true);
     size_t columns = (size_t)w / o->width, rows = (size_t)h / o->height;
     if (columns * o->width != (size_t)w || rows * o->height != (size_t)h || columns * rows < o->depth ||
         columns * rows - o->depth >= columns)

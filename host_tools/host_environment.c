@@ -169,7 +169,7 @@ static float *average_down(int *width, int *height, const float *rgb, int factor
 void environment_read(struct environment *out, const char *path)
 {
     int width, height;
-    float *rgb = image_read_rgb(&width, &height, path);
+    float *rgb = image_read_rgb(&width, &height, path, true);
     if (width < 4 || height < 2 || height > width)
         die(EXIT_BAD_INPUT, "%s: %d x %d pixels; give an equirectangular map, twice as wide as high", path, width,
             height);

@@ -70,7 +70,7 @@ void image_write_float(const char *path, int width, int height, int channels, co
     image_write(path, ".exr", "oiio_encode_exr", width, height, channels, pixels);
 }
 
-float *image_read_rgb(int *width, int *height, const char *path)
+float *image_read_rgb(int *width, int *height, const char *path, bool linear)
 {
     union {
         void *object;
@@ -81,7 +81,7 @@ float *image_read_rgb(int *width, int *height, const char *path)
     if (access(path, R_OK))
         die(EXIT_FILE, "%s: %s; give a readable image file", path, strerror(errno));
     input_remember(path);
-    if (read.function(path, (size_t)1 << 25, width, height, &rgb, err, sizeof err)) {
+    if (read.function(path, linear, (size_t)1 << 25, width, height, &rgb, err, sizeof err)) {
         err[strcspn(err, "\n")] = 0;
         die(EXIT_BAD_INPUT, "%s: %s; give an intact image", path, err);
     }

@@ -9,6 +9,7 @@
 #ifndef HOST_TOOLS_HOST_IMAGE_H
 #define HOST_TOOLS_HOST_IMAGE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Dies with EXIT_USAGE unless the path ends in that extension (".png"). */
@@ -20,8 +21,9 @@ void image_write_u8(const char *path, int width, int height, int channels, const
 /* Linear light in 32-bit floats, EXR. */
 void image_write_float(const char *path, int width, int height, int channels, const float *pixels);
 
-/* Reads an image of at most 2^25 pixels as linear RGB, malloc'd; further channels are ignored, grey is repeated. Dies with EXIT_FILE
- * when the shared object or the file is missing, with EXIT_BAD_INPUT when the file cannot be decoded. */
-float *image_read_rgb(int *width, int *height, const char *path);
+/* Reads an image of at most 2^25 pixels as RGB, malloc'd; further channels are ignored, grey is repeated. Of integers 0..1 as they are
+ * stored, unless `linear`, which is for light and refuses them. Dies with EXIT_FILE when the shared object or the file is missing, with
+ * EXIT_BAD_INPUT when the file cannot be decoded. */
+float *image_read_rgb(int *width, int *height, const char *path, bool linear);
 
 #endif

@@ -60,7 +60,7 @@ extern "C" int oiio_encode_png(unsigned char **file, size_t *bytes, int width, i
     return encode(file, bytes, "png", width, height, channels, OIIO::TypeDesc::UINT8, pixels, "sRGB", err, err_bytes);
 }
 
-extern "C" int oiio_read_image(const char *path, size_t max_pixels, int *width, int *height, float **rgb, char *err,
+extern "C" int oiio_read_image(const char *path, int linear, size_t max_pixels, int *width, int *height, float **rgb, char *err,
                                size_t err_bytes)
 {
     try {
@@ -71,7 +71,7 @@ extern "C" int oiio_read_image(const char *path, size_t max_pixels, int *width, 
         size_t pixels = spec.width > 0 && spec.height > 0 ? size_t(spec.width) * size_t(spec.height) : 0;
         if (!pixels || pixels > max_pixels || spec.nchannels < 1 || spec.nchannels > 4 || spec.depth > 1)
             return fail(err, err_bytes, "an image of 1 to 4 channels within the size limit is wanted");
-        if (!spec.format.is_floating_point())
+        if (linear && !spec.format.is_floating_point())
             return fail(err, err_bytes,
                         std::string("pixels are ") + spec.format.c_str() +
                             ", linear floats are wanted: EXR or Radiance HDR");

@@ -18,10 +18,10 @@ typedef int oiio_encode_fn(unsigned char **file, size_t *bytes, int width, int h
 oiio_encode_fn oiio_encode_exr; /* floats, linear light */
 oiio_encode_fn oiio_encode_png; /* bytes, sRGB-encoded */
 
-/* Read an image of at most max_pixels as RGB floats (grey is repeated), malloc'd into *rgb. One of integers, which may be encoded in any
- * way, is refused. Returns as above. */
-typedef int oiio_read_fn(const char *path, size_t max_pixels, int *width, int *height, float **rgb, char *err,
-                         size_t err_bytes);
+/* Read an image of at most max_pixels as RGB floats (grey is repeated), malloc'd into *rgb. linear != 0: one of integers, which may
+ * be encoded in any way, is refused. Returns as above. */
+typedef int oiio_read_fn(const char *path, int linear, size_t max_pixels, int *width, int *height, float **rgb,
+                         char *err, size_t err_bytes);
 oiio_read_fn oiio_read_image;
 
 #ifdef __cplusplus

@@ -114,12 +114,13 @@ static void image_describe(struct import_options *o, const uint8_t *data, size_t
     image.bytes = input_bytes(&image.pixels, &in, in.left);
 }
 
-float *__wrap_image_read_rgb(int *width, int *height, const char *path);
-float *__wrap_image_read_rgb(int *width, int *height, const char *path)
+float *__wrap_image_read_rgb(int *width, int *height, const char *path, bool linear);
+float *__wrap_image_read_rgb(int *width, int *height, const char *path, bool linear)
 {
     size_t bytes = 3 * sizeof(float) * (size_t)image.width * (size_t)image.height;
     uint8_t *rgb = xmalloc(bytes + 1);
     (void)path;
+    (void)linear;
     for (size_t i = 0; i < bytes; i++)
         rgb[i] = image.bytes ? image.pixels[i % image.bytes] : 0;
     *width = image.width;

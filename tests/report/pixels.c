@@ -19,7 +19,7 @@ int main(int argc, char **argv)
         die(EXIT_USAGE, "usage: report_pixels FILE...");
     for (int i = 1; i < argc; i++) {
         int width, height, white = 0;
-        float *rgb = image_read_rgb(&width, &height, argv[i]);
+        float *rgb = image_read_rgb(&width, &height, argv[i], false);
         const int count = width * height;
         double sum = 0;
         for (const float *p = rgb; p < rgb + 3 * count; p += 3) {
