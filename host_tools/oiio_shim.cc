@@ -60,8 +60,8 @@ extern "C" int oiio_encode_png(unsigned char **file, size_t *bytes, int width, i
     return encode(file, bytes, "png", width, height, channels, OIIO::TypeDesc::UINT8, pixels, "sRGB", err, err_bytes);
 }
 
-extern "C" int oiio_read_image(const char *path, int linear, size_t max_pixels, int *width, int *height, float **rgb, char *err,
-                               size_t err_bytes)
+extern "C" int oiio_read_image(const char *path, int linear, size_t max_pixels, int *width, int *height, float **rgb,
+                               char *err, size_t err_bytes)
 {
     try {
         std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path);
