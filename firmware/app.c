@@ -11,6 +11,7 @@ enum {
 
 static bool costs_valid(const struct raster_costs *c)
 {
+    const struct raster_shading_cost *table = &c->shading[RASTER_SHADE_HALF_VECTOR];
     bool valid = c->clear <= c->tile && c->part <= APP_MOST_SAMPLE_COST && c->cell <= APP_MOST_SAMPLE_COST;
     for (size_t at = 0; at < sizeof *c; at += sizeof(uint32_t)) { /* it has no other members */
         uint32_t entry;
@@ -18,7 +19,8 @@ static bool costs_valid(const struct raster_costs *c)
         valid = valid && entry <= APP_MOST_COST;
     }
     for (unsigned i = 0; i < RASTER_TAPS_COUNT; i++)
-        valid = valid && c->taps[i] <= c->shading[RASTER_SHADE_HALF_VECTOR].lit;
+        valid = valid && c->taps[i] <= table->lit && table->lit + c->texels[i] <= APP_MOST_SAMPLE_COST &&
+                table->point + c->texels[i] <= APP_MOST_SAMPLE_COST;
     for (unsigned i = 0; i < RASTER_SHADE_COUNT; i++) {
         const struct raster_shading_cost *s = &c->shading[i];
         valid = valid && s->sample <= APP_MOST_SAMPLE_COST && s->lit <= APP_MOST_SAMPLE_COST &&

@@ -51,13 +51,11 @@ static void units_find(struct budget_units *u, const struct budget_plan *p, uint
                    points = fx_min_u(p->survey->point_lights, all);
     u->lights = (uint8_t)all;
     for (uint32_t i = 0; i < p->count; i++) {
-        const enum raster_shading k = shading_of(p, i, RASTER_RATE_4X4);
-        const struct raster_shading_cost *c = &costs->shading[k];
+        const struct raster_shading_cost c = raster_shading_cost_of(p->r, shading_of(p, i, RASTER_RATE_4X4), taps);
         const struct raster_shading_cost *row = &costs->shading[shading_of(p, i, RASTER_RATE_1X1)];
-        const uint32_t bright = c->lit - (k == RASTER_SHADE_HALF_VECTOR ? costs->taps[taps] : 0);
-        const uint32_t lit = bright > c->dark ? bright : c->dark, point = c->point > lit ? c->point : lit;
-        u->planes[i] = c->sample + (all - points) * lit + points * point;
-        u->exact[i] = c->sample + all * point;
+        const uint32_t lit = c.lit > c.dark ? c.lit : c.dark, point = c.point > lit ? c.point : lit;
+        u->planes[i] = c.sample + (all - points) * lit + points * point;
+        u->exact[i] = c.sample + all * point;
         u->row[i] = row->sample + fx_min_u(p->r->directional, all) * row->lit;
         u->row_run[i] = row->material;
     }
@@ -261,6 +259,12 @@ static uint32_t light_error(const struct budget_plan *p, uint32_t lights)
     return p->pixels * 3 * steps * steps;                                      /* 2^13.6 2^12 */
 }
 
+/* What fewer taps save of a sample, of which so many lights are lit, 16 fraction bits. In: each < 2^17, lit <= 2^23. Out: times samples, below 2^31. */
+static uint32_t saved_by(uint32_t each, uint32_t lit)
+{
+    return fx_min_u((uint32_t)((uint64_t)each * lit >> 16), (1u << 19) - 1);
+}
+
 /* Of a class, with fewer taps than it was expected. */
 static void take_taps(struct budget_class *c, enum raster_taps taps, uint32_t pixels)
 {
@@ -279,18 +283,17 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
     const struct raster_survey *s = p->survey;
     const uint32_t directional = p->r->directional, all = directional + s->point_lights, n = fx_min_u(lights, all),
                    likely = all ? directional * n / all : 0;
-    const struct raster_costs *costs = p->r->frame.costs;
     units_find(&p->units, p, lights, RASTER_TAPS_8);
     for (uint32_t i = 0; i < p->count; i++) {
         struct budget_class *out = &p->classes[i];
         const struct raster_area *total = &s->total[p->id[i]];
         const enum raster_shading shading = shading_of(p, i, RASTER_RATE_4X4);
-        const struct raster_shading_cost *c = &costs->shading[shading];
+        const struct raster_shading_cost c = raster_shading_cost_of(p->r, shading, RASTER_TAPS_8);
         const bool fewer = shading == RASTER_SHADE_HALF_VECTOR && p->r->frame.parts->fewer_taps;
         const uint32_t part = (p->exact[i] << 8) / total->pixels; /* 2^13 2^8 */
-        const uint32_t planes = c->sample + (likely * (c->lit * lit + c->dark * (256 - lit)) >> 8) +
-                                ((n - likely) * c->point * b->point >> 8); /* 2^7 2^11 2^8; 2^7 2^15 2^8 */
-        const uint32_t exact = c->sample + (n * c->point * b->point >> 8);
+        const uint32_t planes = c.sample + (likely * (c.lit * lit + c.dark * (256 - lit)) >> 8) +
+                                ((n - likely) * c.point * b->point >> 8); /* 2^7 2^11 2^8; 2^7 2^15 2^8 */
+        const uint32_t exact = c.sample + (n * c.point * b->point >> 8);
         const uint32_t most = p->units.planes[i] * (256 - part) + p->units.exact[i] * part; /* 2^22 2^8 */
         const uint32_t expected = planes * (256 - part) + exact * part;
         const uint32_t least = most / 5 * 4, unit = (expected > least ? expected : least) >> 8;
@@ -299,7 +302,9 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
         if (!p->last)
             samples[RASTER_RATE_1X1] = total->pixels;
         for (unsigned taps = 0; taps < RASTER_TAPS_COUNT; taps++)
-            out->saved[taps] = fewer ? likely * costs->taps[taps] * lit * (256 - part) >> 16 : 0; /* 2^7 2^11 2^8 */
+            out->saved[taps] =
+                fewer ? saved_by(c.lit - raster_shading_cost_of(p->r, shading, taps).lit, likely * lit * (256 - part))
+                      : 0;
         uint64_t passes[RASTER_RATE_COUNT] = {0};
         for (unsigned k = 0; k <= RASTER_REGION_SHIFT; k++) /* classes of one material share them */
             for (unsigned rate = 0; rate < RASTER_RATE_COUNT && p->first[i][k]; rate++)
@@ -417,6 +422,7 @@ static void leave_flat_out(struct budget_plan *p, uint32_t ticks)
 
 uint32_t budget_plan_choose(struct budget_plan *p, const struct budget *b, uint32_t ticks, enum raster_taps taps)
 {
+    taps = p->r->frame.parts->fewer_taps ? taps : RASTER_TAPS_8;
     static const uint8_t ladder[] = {RASTER_ALL_LIGHTS, 16, RASTER_LEAST_LIGHTS};
     const uint32_t all = p->r->directional + p->survey->point_lights;
     uint32_t least = UINT32_MAX, expected = 0;

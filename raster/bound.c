@@ -34,12 +34,11 @@ static void clear_bounds(struct raster *r, struct raster_extent *e)
 /* Of one sample at full quality; lights reach about five in eight of what they are tried on, point lights one in four. */
 static uint32_t full_cost(const struct raster *r, uint32_t material)
 {
-    const struct raster_costs *c = r->frame.costs;
-    const unsigned k = raster_shading_of(r, material, RASTER_RATE_1X1);
+    const struct raster_shading_cost c =
+        raster_shading_cost_of(r, raster_shading_of(r, material, RASTER_RATE_1X1), RASTER_TAPS_8);
     const uint64_t points = r->frame.light_count - r->directional;
-    const uint64_t sum = c->shading[k].sample +
-                         (r->directional * (5 * (uint64_t)c->shading[k].lit + 3 * (uint64_t)c->shading[k].dark) >> 3) +
-                         (points * c->shading[k].point >> 2);
+    const uint64_t sum =
+        c.sample + (r->directional * (5 * (uint64_t)c.lit + 3 * (uint64_t)c.dark) >> 3) + (points * c.point >> 2);
     return sum < UINT32_MAX ? (uint32_t)sum : UINT32_MAX;
 }
 
@@ -297,22 +296,22 @@ static void bound_wanted(struct raster *r, const struct load *load, const struct
         }
 }
 
-static const struct raster_shading_cost *flat_shading(const struct raster *r, uint32_t material)
+static struct raster_shading_cost flat_shading(const struct raster *r, uint32_t material)
 {
-    return &r->frame.costs->shading[raster_shading_of(r, material, RASTER_RATE_FLAT)];
+    return raster_shading_cost_of(r, raster_shading_of(r, material, RASTER_RATE_FLAT), RASTER_TAPS_8);
 }
 
 uint32_t raster_flat_cost(const struct raster *r, uint32_t material, uint32_t points)
 {
-    const struct raster_shading_cost *c = flat_shading(r, material);
-    const uint32_t lit = c->lit > c->dark ? c->lit : c->dark, point = c->point > lit ? c->point : lit;
+    const struct raster_shading_cost c = flat_shading(r, material);
+    const uint32_t lit = c.lit > c.dark ? c.lit : c.dark, point = c.point > lit ? c.point : lit;
     const uint32_t most = fx_min_u(r->directional + points, RASTER_LEAST_LIGHTS), exact = fx_min_u(points, most);
-    return fx_min_u(c->flat, c->sample + (most - exact) * lit + exact * point);
+    return fx_min_u(c.flat, c.sample + (most - exact) * lit + exact * point);
 }
 
 uint32_t raster_flat_planes(const struct raster *r, uint32_t material)
 {
-    return fx_min_u(r->directional, RASTER_LEAST_LIGHTS) * flat_shading(r, material)->material;
+    return fx_min_u(r->directional, RASTER_LEAST_LIGHTS) * flat_shading(r, material).material;
 }
 
 /* sum / count rounded up, with 32-bit divisions. In: count < 2^18, sum < 2^32 count. */

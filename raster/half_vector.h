@@ -65,6 +65,18 @@ struct raster_fewer_taps {
 #define HALF_VECTOR_FEWER_PLAIN raster_half_vector_fewer_plain
 #endif
 
+/* Rows that the loop for the re-packed copy takes: with DSP instructions the warp's coordinates are to be positive as 16-bit numbers. */
+#if defined(RASTER_ARM) && !defined(__ARM_FEATURE_DSP)
+#define HALF_VECTOR_LOOP_H LUT_MAX_H
+#else
+#define HALF_VECTOR_LOOP_H 64
+#endif
+/* Whether a half-vector table is read from its texels, on cores with such loops. */
+static inline bool half_vector_from_texels(const struct lut_table *t)
+{
+    return !t->slabs || t->height > HALF_VECTOR_LOOP_H;
+}
+
 /* One light and table: what does not change from pixel to pixel. */
 struct half_vector_constants {
     uint32_t colour[3]; /* times 2^-up, Q31 */

@@ -5,18 +5,12 @@
 
 #ifdef RASTER_ARM
 
-#ifdef __ARM_FEATURE_DSP
-#define LOOP_MAX_H 64
-#else
-#define LOOP_MAX_H LUT_MAX_H
-#endif
-
 /* By the loop, and by portable C of as many taps. Inline: so a program is linked with no loop that it does not ask for. */
 __attribute__((always_inline)) static inline uint32_t
 shade_by_loop(struct raster_batch *b, uint32_t first, uint32_t end, const struct lut_table *table,
               const struct raster_block_light *light, raster_half_vector_pixels *loop, raster_half_vector *portable)
 {
-    if (table->height > LOOP_MAX_H)
+    if (table->height > HALF_VECTOR_LOOP_H)
         return portable(b, first, end, table, light);
     const struct half_vector_constants c = half_vector_constants_find(table, light);
     const struct half_vector_loop k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),

@@ -4,6 +4,7 @@
 #include "shade.h"
 
 #include "func.h"
+#include "half_vector.h"
 #include "point_light.h"
 
 #define MAX_BLOCK_ANGLE 4 /* 2^-4 radians */
@@ -66,12 +67,15 @@ void raster_light_setup(struct raster *r)
         if (f->lights[i].kind != SCENE_LIGHT_DIRECTIONAL)
             add_light(r, next++, &f->lights[i]);
 
+    r->from_texels = false;
     bool run = f->light_count == r->directional && r->directional <= RASTER_RUN_LIGHTS && !r->sample_shift;
     for (uint32_t i = 0; i < f->scene->header->materials.count; i++) {
         const struct raster_rows *rows = raster_rows_of(f, &f->materials[i]);
         const struct raster_model *model = raster_model_of(f, &f->materials[i]);
         r->in_rows[i] = run && rows && rows->takes(r, &f->materials[i]);
         r->shading[i] = model ? (uint8_t)model->shading : 0;
+        if (model && model->shading == RASTER_SHADE_HALF_VECTOR)
+            r->from_texels |= half_vector_from_texels(f->tables[f->materials[i].slot]);
     }
 
     uint8_t *end = (uint8_t *)r->lights + align8(f->light_count * sizeof *r->lights);

@@ -153,6 +153,8 @@ struct raster_costs {
     uint32_t run;       /* pixels of surfaces side by side, with background about them, packed */
     uint32_t plan;      /* what is found out after a survey, before rates are chosen */
     uint32_t taps[RASTER_TAPS_COUNT]; /* what a half-vector table takes less, of `lit`, with fewer */
+    uint32_t texels
+        [RASTER_TAPS_COUNT]; /* and what it takes more of that, with so many, read from its texels: raster.from_texels */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */
@@ -162,6 +164,24 @@ struct raster_costs {
         uint32_t flat;     /* a meshlet at rate flat, under RASTER_LEAST_LIGHTS lights of any kind */
     } shading[RASTER_SHADE_COUNT];
 };
+
+/* A way of shading in a frame, which has costs. */
+static inline struct raster_shading_cost raster_shading_cost_of(const struct raster *r, enum raster_shading shading,
+                                                                enum raster_taps taps)
+{
+    const struct raster_costs *costs = r->frame.costs;
+    struct raster_shading_cost c = costs->shading[shading];
+    if (shading != RASTER_SHADE_HALF_VECTOR)
+        return c;
+    if (r->from_texels) {
+        c.point += costs->texels[RASTER_TAPS_8];
+        c.flat += RASTER_LEAST_LIGHTS * costs->texels[RASTER_TAPS_8];
+        c.lit += costs->texels[taps];
+    } else {
+        c.lit -= costs->taps[taps];
+    }
+    return c;
+}
 
 /* What a tile is expected to take, at the levels of detail wanted, by its bounds and what was learnt: shading at full quality, and all else. */
 struct raster_expected {

@@ -19,15 +19,15 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
     const struct raster *r = o->r;
     struct raster_batch *b = &o->t->batch;
     const struct scene_material *m = &r->frame.materials[o->material];
-    static const struct raster_shading_cost no_cost;
     static const uint8_t texels[RASTER_TAPS_COUNT] = {8, 4, 1};
-    const struct raster_shading_cost *c = r->frame.costs ? &r->frame.costs->shading[o->model->shading] : &no_cost;
+    struct raster_shading_cost c = {0};
     const bool table = o->model->shading == RASTER_SHADE_HALF_VECTOR;
-    const uint32_t lit_cost = c->lit - (table && r->frame.costs ? r->frame.costs->taps[b->taps] : 0);
     uint32_t lit = 0;
-    uint64_t cost = (uint64_t)b->count * c->sample;
     if (!b->count)
         return;
+    if (r->frame.costs)
+        c = raster_shading_cost_of(r, o->model->shading, (enum raster_taps)b->taps);
+    uint64_t cost = (uint64_t)b->count * c.sample;
     __builtin_memset(b->radiance, 0, b->count * sizeof b->radiance[0]);
     unsigned added = 0;
     for (unsigned l = 0; l < r->frame.light_count; l++) {
@@ -35,11 +35,11 @@ void raster_flush(const struct shading *o, struct raster_block *k, struct raster
             continue;
         const bool planes = !r->lights[l].radius && !k->exact;
         if (planes && (l >= RASTER_BLOCK_LIGHTS || !(k->ready >> l & 1)))
-            cost += c->material;
+            cost += c.material;
         const uint32_t lit_by = raster_shade_light(o->t, k, r, o->x0, o->y0, l, o->model);
         lit += lit_by;
         stats->tried += b->count;
-        cost += planes ? lit_by * lit_cost + (b->count - lit_by) * c->dark : b->count * c->point; /* 2^6 2^20 */
+        cost += planes ? lit_by * c.lit + (b->count - lit_by) * c.dark : b->count * c.point; /* 2^6 2^20 */
         if (++added % 16 == 0) /* sums of 2^31 and RASTER_LIGHT_LIMIT */
             limit_radiance(b);
     }

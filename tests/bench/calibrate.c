@@ -143,7 +143,8 @@ static void fit_free(struct fit *f)
 
 struct table {
     double tile, clear, meshlet, vertex, triangle, general, facing, row, tested, general_facing, general_row,
-        general_tested, survey, light, region, flat, part, cell, finished, run, taps[RASTER_TAPS_COUNT];
+        general_tested, survey, light, region, flat, part, cell, finished, run, taps[RASTER_TAPS_COUNT],
+        texels[RASTER_TAPS_COUNT];
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -237,7 +238,8 @@ static bool is_regular(const struct line *l)
     return is(l, "shade") && l->v[1] < RASTER_RATE_FLAT && l->v[7] <= 24;
 }
 
-/* What fewer taps save at least of a light that reaches many pixels; and regions' cost is raised where that is more than they save. */
+/* What fewer taps save at least, and tables without a re-packed copy take more at most, of a light that reaches many pixels; and regions' cost is
+ * raised where that is not all. */
 static void fit_taps(struct table *t, struct fit *f, const struct lines *all)
 {
     double counts[MAX_VARIABLES];
@@ -246,20 +248,24 @@ static void fit_taps(struct table *t, struct fit *f, const struct lines *all)
         const struct line *of_eight = NULL;
         for (size_t i = 0; i < all->count; i++) {
             const struct line *l = &all->line[i];
-            const double lit = l->v[1];
-            if (!is(l, "taps")) {
+            const int taps = (int)l->v[0];
+            const double lit = l->v[1], more = of_eight ? l->ticks - of_eight->ticks : 0;
+            const bool texels = is(l, "texels");
+            if (!texels && !is(l, "taps")) {
                 of_eight = is_regular(l) ? l : is(l, "shade") ? NULL : of_eight;
                 continue;
             }
-            double *saved = &t->taps[(int)l->v[0]];
             if (!of_eight || (!pass && lit < LARGE))
                 continue;
-            if (!pass) {
-                *saved = fmin(*saved, fmax((of_eight->ticks - l->ticks) / lit, 0));
+            if (!pass && texels)
+                t->texels[taps] = fmax(t->texels[taps], more / lit);
+            else if (!pass)
+                t->taps[taps] = fmin(t->taps[taps], fmax(-more / lit, 0));
+            if (!pass)
                 continue;
-            }
             shade_counts(counts, of_eight->v, (unsigned)((of_eight->v[3] + of_eight->v[4]) / of_eight->v[2]));
-            at_least(&f->x[REGION], f->x[REGION] + (l->ticks + *saved * lit - fit_at(f, counts)) / of_eight->v[7]);
+            const double fitted = fit_at(f, counts) + lit * (texels ? t->texels[taps] : -t->taps[taps]);
+            at_least(&f->x[REGION], f->x[REGION] + (l->ticks - fitted) / of_eight->v[7]);
         }
     }
 }
@@ -392,6 +398,8 @@ static void print_table(const struct table *t, const char *target)
     print_cost("finished", t->finished);
     print_cost("run", t->run);
     print_cost("plan", PLAN);
+    printf("    .texels = {%.0f, %.0f, %.0f},\n", ceil(16 * t->texels[RASTER_TAPS_8]),
+           ceil(16 * t->texels[RASTER_TAPS_4]), ceil(16 * t->texels[RASTER_TAPS_1]));
     printf("    .taps = {0, %.0f, %.0f},\n", floor(16 * t->taps[RASTER_TAPS_4]), floor(16 * t->taps[RASTER_TAPS_1]));
     printf("    .shading =\n        {\n");
     for (int k = 0; k < RASTER_SHADE_COUNT; k++)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Budgets on the emulated boards, by their own clocks, which count instructions exactly: 10^5 tiles of random scenes and of hard ones at random
-# budgets (tests/board/budget/main.c). Arguments: targets. GONIOTILE_ROWS: a file to which figures are added as rows of results.csv.
+# budgets (tests/board/budget/main.c), and some of the random ones with tables that are read from their texels, without a re-packed copy or too
+# tall for the fastest loop. Arguments: targets. GONIOTILE_ROWS: a file to which figures are added as rows of results.csv.
 set -u
 B=${B:-build}
 work=$(mktemp -d) && trap 'rm -rf "$work"' EXIT
@@ -9,6 +10,9 @@ tables=("$B/demo/plastic_red.ktx2" "$B/demo/gold.ktx2" "$B/board/gold_91x46.ktx2
 six=(matte_white plastic_red gold plastic_blue_rough copper_satin satin_green)
 six=("${six[@]/#/$B/demo/}")
 six=("${six[@]/%/.ktx2}")
+texels=("$work/plain.ktx2" "$work/tall.ktx2" "$B/board/gold_91x46.ktx2")
+"$B"/gtlut build "$B/demo/plastic_red.csv" -o "${texels[0]}" --kind half_vector --size 64K 2>/dev/null
+"$B"/gtlut build "$B/demo/gold.csv" -o "${texels[1]}" --kind half_vector --size 96x16x4 --packed 2>/dev/null
 n=0
 [ -x "$B/board/make_input" ] || { echo "1..1"; echo "ok 1 # SKIP no scheduler to be run"; exit; }
 echo "1..$(wc -w <<<"$targets")"
@@ -25,12 +29,14 @@ claim() { # name problems
     fi
 }
 run() { # target kind scenes frames
-    "$B/board/make_input" "$1" "$work/in" tiles "$2" 1 "$3" "$4" "${tables[@]}" &&
+    local kind=$2 these=("${tables[@]}")
+    [ "$kind" != texels ] || kind=random these=("${texels[@]}")
+    "$B/board/make_input" "$1" "$work/in" tiles "$kind" 1 "$3" "$4" "${these[@]}" &&
         LIMIT=250 tests/board/run.sh "$1" "$B/board/$1/budget.elf" "$work/in"
 }
 for target in $targets; do
     over=0 late=0 differ=0 tiles=0 problems=''
-    for what in "random 64 13" one_tile\ 1\ 8 slivers\ 1\ 8 lights\ 1\ 8 interleaved\ 1\ 8 inside\ 1\ 8; do
+    for what in "random 64 13" texels\ 16\ 8 one_tile\ 1\ 8 slivers\ 1\ 8 lights\ 1\ 8 interleaved\ 1\ 8 inside\ 1\ 8; do
         read -r kind scenes frames <<<"$what"
         said=$(run "$target" "$kind" "$scenes" "$frames" 2>&1)
         echo "# $target $kind: $(tr -s '\n ' ' ' <<<"$said")"

@@ -6,6 +6,7 @@
  *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
  *   point TICKS ...                                                     ... under point lights alone
  *   taps TICKS taps lit                                                 the last of these tiles by fewer taps
+ *   texels TICKS taps lit                                               ... from the table's texels, by so many
  *   finish TICKS covered shading row_pixels row_lights pixels row_runs runs             one tile; shading and pixels of what is shaded in rows
  *   end hash H                                                          of all pixels: the same on every target
  * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: four uint32_t, how many bytes blob, half-vector table and
@@ -20,7 +21,8 @@ enum { WIDTH = 320, HEIGHT = 240, ARENA_BYTES = 256 * 1024, LIGHTS = 4, CAMERAS 
 
 static uint64_t arena[ARENA_BYTES / 8];
 static struct scene scene;
-static struct lut_table half_vector, specular_frame;
+static struct lut_table half_vector, plain, specular_frame; /* the second without its re-packed copy */
+static const struct lut_table *tables[RASTER_MAX_SLOTS] = {&half_vector, &specular_frame};
 static struct scene_material materials[SCENE_MAX_MATERIALS];
 static struct scene_light lights[LIGHTS];
 static struct scene_camera camera;
@@ -54,6 +56,8 @@ static void open_input(void)
     checked(scene_open(&scene, part[0], bytes[0]) == SCENE_OK, "no scene");
     checked(lut_open(&half_vector, part[1], bytes[1]) == LUT_OK, "no half-vector table");
     checked(lut_open(&specular_frame, part[2], bytes[2]) == LUT_OK, "no specular-frame table");
+    plain = half_vector;
+    plain.slabs = NULL;
     measures = !bytes[3];
     stride = measures ? stride : bytes[3];
 }
@@ -112,7 +116,6 @@ static uint32_t set_lights(uint32_t directional, uint32_t points)
 
 static void begin(uint32_t light_count, uint8_t samples)
 {
-    static const struct lut_table *tables[RASTER_MAX_SLOTS] = {&half_vector, &specular_frame};
     const struct raster_frame frame = {.parts = &raster_all_parts,
                                        .scene = &scene,
                                        .camera = &camera,
@@ -252,8 +255,8 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     hash = report_hash(hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
     if (!measures)
         return;
-    if (taps) {
-        report_text("taps");
+    if (taps || tables[0] == &plain) {
+        report_text(tables[0] == &plain ? "texels" : "taps");
         report_number("", ticks);
         report_number("", taps);
         report_number("", shaded.shaded);
@@ -358,6 +361,10 @@ _Noreturn void board_main(void)
                         tile(t, (enum raster_shading)shading, (enum raster_rate)rate, print);
                         for (taps = RASTER_TAPS_4; fewer && taps < RASTER_TAPS_COUNT; taps++)
                             tile(t, (enum raster_shading)shading, (enum raster_rate)rate, false);
+                        tables[0] = &plain;
+                        for (taps = RASTER_TAPS_8; fewer && taps < RASTER_TAPS_COUNT; taps++)
+                            tile(t, (enum raster_shading)shading, (enum raster_rate)rate, false);
+                        tables[0] = &half_vector;
                         taps = RASTER_TAPS_8;
                     }
                 }
