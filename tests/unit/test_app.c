@@ -34,6 +34,14 @@ static void costs_out_of_range_are_refused(void **state)
     }
     costs.clear = costs.tile + 1; /* part of it */
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
+    costs = *d->config.costs;
+    costs.taps[RASTER_TAPS_1] = costs.shading[RASTER_SHADE_HALF_VECTOR].lit + 1; /* likewise */
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
+    costs = *d->config.costs;
+    costs.texels[RASTER_TAPS_8] = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_HALF_VECTOR].point;
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
+    costs.texels[RASTER_TAPS_8]++; /* on top of that */
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     sim_device_destroy(d);
 }
 
