@@ -44,5 +44,15 @@ static void blinn_ambient(struct raster_batch *b, const struct scene_material *m
     raster_add_ambient(b, m, fx_mulhi_u(exposure, 269860937), 1u << 20); /* 0.02 pi */
 }
 
-const struct raster_model raster_blinn_phong_model = {
-    .shading = RASTER_SHADE_BLINN_PHONG, .shade = shade_blinn_phong, .lobe = blinn_lobe, .ambient = blinn_ambient};
+static bool blinn_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
+{
+    (void)r;
+    (void)m;
+    return !l->shift;
+}
+
+const struct raster_model raster_blinn_phong_model = {.shading = RASTER_SHADE_BLINN_PHONG,
+                                                      .shade = shade_blinn_phong,
+                                                      .lobe = blinn_lobe,
+                                                      .slow = blinn_slow,
+                                                      .ambient = blinn_ambient};

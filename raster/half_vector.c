@@ -232,11 +232,22 @@ static uint32_t shade_half_vector(struct raster_batch *b, uint32_t first, uint32
     return t->slabs ? HALF_VECTOR_PACKED(b, first, end, t, light) : HALF_VECTOR_PLAIN(b, first, end, t, light);
 }
 
+/* From its texels, on cores whose loop is for the re-packed copy. */
+static bool half_vector_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
+{
+    const struct lut_table *t = r->frame.tables[m->slot];
+    (void)l;
+    return !t->slabs || t->height > HALF_VECTOR_LOOP_H;
+}
+
 /* The coordinate on the d axis, TERM_D_BITS. */
 static uint32_t half_vector_term(const struct lut_table *t, uint32_t sine, uint32_t cosine)
 {
     return lut_d_coordinate(t, sine, cosine) >> (LUT_D_BITS - TERM_D_BITS);
 }
 
-const struct raster_model raster_half_vector_model = {
-    .shading = RASTER_SHADE_HALF_VECTOR, .shade = shade_half_vector, .term = half_vector_term, .facing = true};
+const struct raster_model raster_half_vector_model = {.shading = RASTER_SHADE_HALF_VECTOR,
+                                                      .shade = shade_half_vector,
+                                                      .term = half_vector_term,
+                                                      .slow = half_vector_slow,
+                                                      .facing = true};

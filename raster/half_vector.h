@@ -71,11 +71,6 @@ struct raster_fewer_taps {
 #else
 #define HALF_VECTOR_LOOP_H 64
 #endif
-/* Whether a half-vector table is read from its texels, on cores with such loops. */
-static inline bool half_vector_from_texels(const struct lut_table *t)
-{
-    return !t->slabs || t->height > HALF_VECTOR_LOOP_H;
-}
 
 /* One light and table: what does not change from pixel to pixel. */
 struct half_vector_constants {

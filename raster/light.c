@@ -4,7 +4,6 @@
 #include "shade.h"
 
 #include "func.h"
-#include "half_vector.h"
 #include "point_light.h"
 
 #define MAX_BLOCK_ANGLE 4 /* 2^-4 radians */
@@ -67,25 +66,30 @@ void raster_light_setup(struct raster *r)
         if (f->lights[i].kind != SCENE_LIGHT_DIRECTIONAL)
             add_light(r, next++, &f->lights[i]);
 
-    r->from_texels = false;
     bool run = f->light_count == r->directional && r->directional <= RASTER_RUN_LIGHTS && !r->sample_shift;
     for (uint32_t i = 0; i < f->scene->header->materials.count; i++) {
         const struct raster_rows *rows = raster_rows_of(f, &f->materials[i]);
         const struct raster_model *model = raster_model_of(f, &f->materials[i]);
         r->in_rows[i] = run && rows && rows->takes(r, &f->materials[i]);
         r->shading[i] = model ? (uint8_t)model->shading : 0;
-        if (model && model->shading == RASTER_SHADE_HALF_VECTOR)
-            r->from_texels |= half_vector_from_texels(f->tables[f->materials[i].slot]);
     }
 
     uint8_t *end = (uint8_t *)r->lights + align8(f->light_count * sizeof *r->lights);
     r->lobes = (struct raster_lobe *)(void *)end;
     uint8_t count = 0;
-    for (uint32_t i = 0; i < f->scene->header->materials.count; i++)
-        if (has_lobe(f, &f->materials[i])) {
+    r->slow = 0;
+    for (uint32_t i = 0; i < f->scene->header->materials.count; i++) {
+        const struct scene_material *m = &f->materials[i];
+        const struct raster_model *model = raster_model_of(f, m);
+        struct raster_lobe *lobe = NULL;
+        if (has_lobe(f, m)) {
             r->lobe_of_material[i] = count;
-            raster_model_of(f, &f->materials[i])->lobe(&r->lobes[count++], &f->materials[i]);
+            lobe = &r->lobes[count++];
+            model->lobe(lobe, m);
         }
+        if (model && model->slow && f->costs && model->slow(r, m, lobe))
+            r->slow |= 1u << model->shading;
+    }
 }
 
 void raster_lobe_setup(struct raster_lobe *l, uint32_t m)

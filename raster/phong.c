@@ -122,5 +122,18 @@ static void lafortune_lobe(struct raster_lobe *l, const struct scene_material *m
     raster_lobe_setup(l, m->exponent);
 }
 
-const struct raster_model raster_lafortune_phong_model = {
-    .shading = RASTER_SHADE_LAFORTUNE_PHONG, .shade = shade_lafortune_phong, .lobe = lafortune_lobe, .scales_b = true};
+static bool lafortune_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
+{
+    uint32_t bright = 0;
+    struct phong_loop k;
+    for (uint32_t i = 0; i < r->frame.light_count; i++)
+        for (int j = 0; j < 3; j++)
+            bright |= colour_find(&k.colour[j], peak_scale(m) << 6, m->kd[j], m->ks[j], r->lights[i].irradiance[j]);
+    return bright >= 64 || !l->shift;
+}
+
+const struct raster_model raster_lafortune_phong_model = {.shading = RASTER_SHADE_LAFORTUNE_PHONG,
+                                                          .shade = shade_lafortune_phong,
+                                                          .lobe = lafortune_lobe,
+                                                          .slow = lafortune_slow,
+                                                          .scales_b = true};

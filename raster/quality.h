@@ -154,7 +154,8 @@ struct raster_costs {
     uint32_t plan;      /* what is found out after a survey, before rates are chosen */
     uint32_t taps[RASTER_TAPS_COUNT]; /* what a half-vector table takes less, of `lit`, with fewer */
     uint32_t texels
-        [RASTER_TAPS_COUNT]; /* and what it takes more of that, with so many, read from its texels: raster.from_texels */
+        [RASTER_TAPS_COUNT]; /* what it takes more of that, by so many, where raster.slow says so: from its texels */
+    uint32_t broad; /* what Phong's models do: with lobes of a power up to 1, or light beyond their loop's range */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */
@@ -171,15 +172,18 @@ static inline struct raster_shading_cost raster_shading_cost_of(const struct ras
 {
     const struct raster_costs *costs = r->frame.costs;
     struct raster_shading_cost c = costs->shading[shading];
-    if (shading != RASTER_SHADE_HALF_VECTOR)
-        return c;
-    if (r->from_texels) {
-        c.point += costs->texels[RASTER_TAPS_8];
-        c.flat += RASTER_LEAST_LIGHTS * costs->texels[RASTER_TAPS_8];
-        c.lit += costs->texels[taps];
-    } else {
+    uint32_t more = 0; /* of a light */
+    if (shading == RASTER_SHADE_HALF_VECTOR && !(r->slow >> shading & 1)) {
         c.lit -= costs->taps[taps];
+    } else if (shading == RASTER_SHADE_HALF_VECTOR) {
+        more = costs->texels[RASTER_TAPS_8];
+        c.lit += costs->texels[taps] - more;
+    } else if (r->slow >> shading & 1) {
+        more = costs->broad;
     }
+    c.lit += more;
+    c.point += more;
+    c.flat += RASTER_LEAST_LIGHTS * more;
     return c;
 }
 

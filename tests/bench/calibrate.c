@@ -144,7 +144,7 @@ static void fit_free(struct fit *f)
 struct table {
     double tile, clear, meshlet, vertex, triangle, general, facing, row, tested, general_facing, general_row,
         general_tested, survey, light, region, flat, part, cell, finished, run, taps[RASTER_TAPS_COUNT],
-        texels[RASTER_TAPS_COUNT];
+        texels[RASTER_TAPS_COUNT], broad;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -290,6 +290,13 @@ static void fit_shading(struct table *t, const struct lines *all)
         at_least(&f.x[REGION], f.x[REGION] + (l->ticks - fit_at(&f, counts)) / l->v[7]);
     }
     fit_taps(t, &f, all);
+    for (size_t i = 0; i < all->count; i++) {
+        const struct line *l = &all->line[i];
+        if (!is(l, "broad") || l->v[3] < LARGE)
+            continue;
+        shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
+        at_least(&t->broad, (l->ticks - fit_at(&f, counts)) / l->v[3]);
+    }
     t->region = f.x[REGION], t->part = f.x[PART], t->cell = f.x[CELL];
     for (int k = 0; k < KINDS; k++) {
         const double *x = f.x + 4 * k;
@@ -398,6 +405,7 @@ static void print_table(const struct table *t, const char *target)
     print_cost("finished", t->finished);
     print_cost("run", t->run);
     print_cost("plan", PLAN);
+    print_cost("broad", t->broad);
     printf("    .texels = {%.0f, %.0f, %.0f},\n", ceil(16 * t->texels[RASTER_TAPS_8]),
            ceil(16 * t->texels[RASTER_TAPS_4]), ceil(16 * t->texels[RASTER_TAPS_1]));
     printf("    .taps = {0, %.0f, %.0f},\n", floor(16 * t->taps[RASTER_TAPS_4]), floor(16 * t->taps[RASTER_TAPS_1]));

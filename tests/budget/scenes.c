@@ -20,6 +20,7 @@ struct maker {
     uint64_t random;
     struct scene_header header;
     struct array lights, materials, objects, meshes, lods, meshlets, vertices, triangles;
+    bool broad; /* lobes of a power up to 1 */
 };
 
 /* --- random numbers --- */
@@ -175,7 +176,7 @@ static void material_add(struct maker *k, unsigned n)
         m->kd[i] = (uint32_t)fixed(between(k, 0.1, 0.6), 16);
         m->ks[i] = m->kind == SCENE_MATERIAL_METALLIC_ROUGHNESS || n == 7 ? 0 : (uint32_t)fixed(0.3, 16);
     }
-    m->exponent = (uint32_t)fixed(n == 6 ? 32 : between(k, 5, 200), 16);
+    m->exponent = (uint32_t)fixed(k->broad ? between(k, 0.2, 1) : n == 6 ? 32 : between(k, 5, 200), 16);
     m->metalness = (uint32_t)fixed(draw(k, 2), 16);
     m->roughness = (uint32_t)fixed(between(k, 0.1, 0.9), 16);
     memcpy(m->name, "material", 8);
@@ -521,17 +522,18 @@ static void make_inside(struct maker *k)
 
 void *scenes_make(enum scenes_kind kind, uint32_t seed, size_t *bytes)
 {
-    static void (*const make[SCENES_KIND_COUNT])(struct maker *) = {make_random, make_one_tile,    make_slivers,
-                                                                    make_lights, make_interleaved, make_inside};
+    static void (*const make[SCENES_KIND_COUNT])(struct maker *) = {
+        make_random, make_one_tile, make_slivers, make_lights, make_interleaved, make_inside, make_random};
     struct maker k;
     begin(&k, seed);
+    k.broad = kind == SCENES_BROAD;
     make[kind](&k);
     return finish(&k, bytes);
 }
 
 const char *scenes_name(enum scenes_kind kind)
 {
-    static const char *const names[SCENES_KIND_COUNT] = {"random", "one_tile",    "slivers",
-                                                         "lights", "interleaved", "inside"};
+    static const char *const names[SCENES_KIND_COUNT] = {"random",      "one_tile", "slivers", "lights",
+                                                         "interleaved", "inside",   "broad"};
     return names[kind];
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Budgets on the emulated boards, by their own clocks, which count instructions exactly: 10^5 tiles of random scenes and of hard ones at random
-# budgets (tests/board/budget/main.c), and some of the random ones with tables that are read from their texels, without a re-packed copy or too
+# budgets (tests/board/budget/main.c), and some of the random ones with broad lobes and with tables that are read from their texels, without a re-packed copy or too
 # tall for the fastest loop. Arguments: targets. GONIOTILE_ROWS: a file to which figures are added as rows of results.csv.
 set -u
 B=${B:-build}
@@ -30,7 +30,7 @@ claim() { # name problems
 }
 run() { # target kind scenes frames
     local kind=$2 these=("${tables[@]}")
-    [ "$kind" != texels ] || kind=random these=("${texels[@]}")
+    [ "$kind" != texels ] || kind=broad these=("${texels[@]}")
     "$B/board/make_input" "$1" "$work/in" tiles "$kind" 1 "$3" "$4" "${these[@]}" &&
         LIMIT=250 tests/board/run.sh "$1" "$B/board/$1/budget.elf" "$work/in"
 }

@@ -4,6 +4,7 @@
  *   general TICKS rows tested                                           one triangle filled by general.c, every pixel of it seen
  *   survey TICKS clear lights                                           one tile; what clearing it took
  *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
+ *   broad TICKS ...                                                     the same with lobes of a power below 1
  *   point TICKS ...                                                     ... under point lights alone
  *   taps TICKS taps lit                                                 the last of these tiles by fewer taps
  *   texels TICKS taps lit                                               ... from the table's texels, by so many
@@ -30,6 +31,7 @@ static struct raster raster;
 static struct raster_tile work;
 static uint32_t hash = REPORT_HASH_START; /* of all pixels */
 static enum raster_taps taps;
+static bool broad;          /* lobes */
 static uint32_t stride = 3; /* of tiles */
 static bool measures = true;
 
@@ -76,7 +78,7 @@ static void set_materials(enum raster_shading shading)
         m->slot = shading == RASTER_SHADE_SPECULAR_FRAME;
         m->roughness = 1 << 14;
         /* run by run in rows: powers of two, see blinn_phong_run.c */
-        m->exponent = (shading == RASTER_SHADE_BLINN_PHONG_ROW ? 32u : 37u) << 16;
+        m->exponent = broad ? 1u << 15 : (shading == RASTER_SHADE_BLINN_PHONG_ROW ? 32u : 37u) << 16;
         for (int k = 0; k < 3; k++) {
             m->kd[k] = 1 << 14;
             m->ks[k] = shading == RASTER_SHADE_DIFFUSE_ROW || shading == RASTER_SHADE_METALLIC_ROUGHNESS ? 0 : 1 << 15;
@@ -271,7 +273,7 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
         report_text("\n");
     }
     if (pixels && !rows) {
-        report_text(raster.directional ? "shade" : "point");
+        report_text(broad ? "broad" : raster.directional ? "shade" : "point");
         report_number("", ticks);
         report_number("", shading);
         report_number("", rate);
@@ -345,12 +347,17 @@ _Noreturn void board_main(void)
         fill_general();
     for (uint32_t c = 0; c < CAMERAS; c++) {
         set_camera(c);
-        for (unsigned shading = 0; shading < RASTER_SHADE_COUNT; shading++) {
+        for (unsigned way = 0; way < RASTER_SHADE_COUNT + 2; way++) {
+            static const uint8_t broad_ways[2] = {RASTER_SHADE_LAFORTUNE_PHONG, RASTER_SHADE_BLINN_PHONG};
+            broad = way >= RASTER_SHADE_COUNT;
+            const unsigned shading = broad ? broad_ways[way - RASTER_SHADE_COUNT] : way;
             set_materials((enum raster_shading)shading);
             for (unsigned rate = 0; rate < RASTER_RATE_COUNT; rate++)
                 for (unsigned light = 0; light < 3; light++) {
                     if (shading >= RASTER_SHADE_DIFFUSE_ROW && (rate || light == 2))
                         continue; /* rows are of rate 1x1 under directional lights */
+                    if (broad && (rate == RASTER_RATE_FLAT || light == 2))
+                        continue;
                     begin(light == 0   ? set_lights(3, 0)
                           : light == 1 ? set_lights(1, 0)
                                        : set_lights(0, 4),
