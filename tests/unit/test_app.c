@@ -21,7 +21,7 @@ static void costs_out_of_range_are_refused(void **state)
                                     &costs.shading[0].sample,
                                     &costs.shading[1].lit,
                                     &costs.shading[2].dark,
-                                    &costs.shading[3].point};
+                                    &costs.shading[RASTER_SHADE_METALLIC_ROUGHNESS].point};
     (void)state;
     config.costs = &costs;
     for (size_t i = 0; i < 11; i++) {
@@ -41,6 +41,9 @@ static void costs_out_of_range_are_refused(void **state)
     costs.texels[RASTER_TAPS_8] = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_HALF_VECTOR].point;
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
     costs.texels[RASTER_TAPS_8]++; /* on top of that */
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
+    costs = *d->config.costs;
+    costs.broad = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_BLINN_PHONG].point + 1;
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     sim_device_destroy(d);
 }
