@@ -44,7 +44,7 @@ void content_load(struct app *app, uint32_t slot)
     const uint8_t *content = table_store_content(&app->store, slot, &bytes);
     app->frame.refused = false;
     if (slot == 0) {
-        c->has_scene = content && scene_open(&c->scene, content, bytes) == SCENE_OK;
+        c->has_scene = content && scene_open_bounded(&c->scene, content, bytes) == SCENE_OK;
         c->triangle_count = c->has_scene ? triangle_count(&c->scene) : 0;
         content_reset(app);
         app->frame.budget = (struct budget){0}; /* what it learnt was of another scene */

@@ -52,7 +52,7 @@ static uint32_t content_check(uint8_t kind, const uint8_t *content, uint32_t byt
 {
     if (kind == USB_SLOT_SCENE) {
         struct scene scene;
-        return (uint32_t)scene_open(&scene, content, bytes);
+        return (uint32_t)scene_open_bounded(&scene, content, bytes);
     }
     struct lut_table table;
     return (uint32_t)lut_open(&table, content, bytes);

@@ -150,7 +150,7 @@ static int run_info(int argc, char **argv)
     size_t bytes;
     struct scene s;
     void *blob = read_file(argv[optind], SCENE_MAX_BYTES, &bytes);
-    enum scene_status status = scene_open(&s, blob, bytes);
+    enum scene_status status = scene_open_bounded(&s, blob, bytes);
     if (status != SCENE_OK)
         die(EXIT_BAD_INPUT, "%s: %s (%zu bytes); build it again", argv[optind], scene_status_text(status), bytes);
     blob_print(&s);

@@ -132,7 +132,7 @@ void *blob_build(size_t *bytes, const struct scene_desc *desc, const struct pack
     free(pool.triangles);
 
     struct scene s;
-    enum scene_status status = scene_open(&s, b.data, b.used);
+    enum scene_status status = scene_open_bounded(&s, b.data, b.used);
     if (status != SCENE_OK)
         die(EXIT_INTERNAL, "the scene built is refused: %s; please report this", scene_status_text(status));
     *bytes = b.used;

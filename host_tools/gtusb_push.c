@@ -99,7 +99,7 @@ static void file_check(struct push *p)
         if (p->slot < 0)
             die(EXIT_USAGE, "%s is a table: --slot is missing; say which of the scene's table slots it fills", p->path);
     } else if (p->bytes >= sizeof scene_magic && !memcmp(p->data, scene_magic, sizeof scene_magic)) {
-        enum scene_status s = scene_open(&scene, p->data, p->bytes);
+        enum scene_status s = scene_open_bounded(&scene, p->data, p->bytes);
         p->kind = USB_SLOT_SCENE;
         if (s)
             die(EXIT_BAD_INPUT, "%s: not a valid scene: %s; build it again with gtscene", p->path,

@@ -28,6 +28,9 @@ struct vec3 {
 /* Keeps a function out of line: where its arguments would be widened to 64 bits, or its registers spilled, if it were inlined. */
 #define FX_NOINLINE __attribute__((noinline))
 
+/* Marks a function that runs seldom, once a frame or for few pixels: compiled for size. */
+#define FX_COLD __attribute__((cold))
+
 /* Number of leading zero bits. In: x != 0. Out: 0..31. */
 static inline unsigned fx_clz(uint32_t x)
 {

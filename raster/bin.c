@@ -188,7 +188,7 @@ static inline bool take_run(struct binner *b)
     return !b->full;
 }
 
-static void bin_store(struct binner *b, uint32_t tile, uint32_t object, uint32_t meshlet)
+FX_NOINLINE static void bin_store(struct binner *b, uint32_t tile, uint32_t object, uint32_t meshlet)
 {
     uint16_t *head = &b->heads[tile];
     if (*head) {
@@ -403,7 +403,7 @@ static enum raster_status check_frame(struct raster *r, const struct raster_fram
     return RASTER_OK;
 }
 
-enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes)
+FX_COLD enum raster_status raster_begin(struct raster *r, const struct raster_frame *f, void *arena, size_t bytes)
 {
     r->arena_needed = 0;
     r->budget_needed = 0;

@@ -41,7 +41,7 @@ unsigned raster_clip_code(const struct raster_object *o, const struct raster_cli
 }
 
 /* a + (b-a) * t, t Q30 in 0..1: |b-a| < 2^32. */
-static int32_t lerp(int32_t a, int32_t b, int32_t t)
+FX_NOINLINE static int32_t lerp(int32_t a, int32_t b, int32_t t)
 {
     return a + (int32_t)((((int64_t)b - a) * t + ((int64_t)1 << 29)) >> 30);
 }

@@ -5,7 +5,7 @@
 #include "shade.h"
 
 /* Pixels of one value from the tile's `at`-th on, three words at a time. */
-static void fill_run(const struct shading *o, uint32_t at, uint32_t value, uint32_t count)
+FX_NOINLINE static void fill_run(const struct shading *o, uint32_t at, uint32_t value, uint32_t count)
 {
     const bool narrow = o->r->frame.format == RASTER_RGB565;
     const uint32_t group = narrow ? 6 : 4, first = fx_min_u(count, (narrow ? at : 0 - at) % (narrow ? 2 : 4));
@@ -98,8 +98,8 @@ void raster_tile_finish(const struct raster *r, struct raster_tile *t, const str
         stats->cost += (uint64_t)stats->covered * r->frame.costs->finished;
 }
 
-void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
-                            struct raster_stats *stats)
+FX_COLD void raster_tile_free_slots(const struct raster *r, struct raster_tile *t, const struct raster_rect *rect,
+                                    struct raster_stats *stats)
 {
     const struct shading o = tile_shading(r, t, rect);
     if (t->memory)

@@ -54,7 +54,7 @@ static void add_light(struct raster *r, struct raster_light *out, const struct s
     }
 }
 
-void raster_light_setup(struct raster *r)
+FX_COLD void raster_light_setup(struct raster *r)
 {
     const struct raster_frame *f = &r->frame;
     struct raster_light *next = r->lights;
@@ -310,7 +310,7 @@ FX_NOINLINE static void plane_lanes(struct raster_plane *out, const struct corne
                                  (uint32_t)l.dy + ((uint32_t)h.dy << 16)};
 }
 
-static uint32_t unit_lanes(int32_t low, int32_t high)
+FX_NOINLINE static uint32_t unit_lanes(int32_t low, int32_t high)
 {
     return lanes(fx_clamp(low, -32767, 32767), fx_clamp(high, -32767, 32767));
 }
@@ -376,9 +376,9 @@ static void term_plane(struct raster_block_light *out, const struct raster_model
 }
 
 /* Exactly what a corner has, at every pixel of the batch in turn. Point lights reach with what their distance leaves. */
-static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint32_t x0, uint32_t y0,
-                             const struct raster_light *light, const struct raster_model *model,
-                             const struct lut_table *table)
+FX_COLD static uint32_t shade_pixels(struct raster_tile *t, const struct raster *r, uint32_t x0, uint32_t y0,
+                                     const struct raster_light *light, const struct raster_model *model,
+                                     const struct lut_table *table)
 {
     struct raster_batch *b = &t->batch;
     struct raster_block_light out;

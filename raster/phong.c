@@ -77,9 +77,9 @@ static void bright_find(struct bright *c, const struct scene_material *m, const 
         c->specular[k] = (uint32_t)(peak[k] >> c->drop);
 }
 
-static FX_NOINLINE uint32_t shade_bright(struct raster_batch *b, uint32_t first, uint32_t end,
-                                         const struct raster_lobe *lobe, const struct raster_block_light *light,
-                                         const struct scene_material *m)
+FX_COLD FX_NOINLINE static uint32_t shade_bright(struct raster_batch *b, uint32_t first, uint32_t end,
+                                                 const struct raster_lobe *lobe, const struct raster_block_light *light,
+                                                 const struct scene_material *m)
 {
     struct bright c;
     uint32_t lit = 0;

@@ -62,11 +62,11 @@ static bool is_rotation(const q2_30_t m[9])
     if (!within(dot_q60(m, m + 3), 0, tolerance) || !within(dot_q60(m, m + 6), 0, tolerance) ||
         !within(dot_q60(m + 3, m + 6), 0, tolerance))
         return false;
-    /* Determinant of a matrix this close to orthonormal is near +1 or -1; Q10 entries decide which: |sum| <
-     * 2^33. */
-    int64_t r[9];
+    /* Determinant of a matrix this close to orthonormal is near +1 or -1; Q9 entries decide which: |sum| <
+     * 2^30. */
+    int32_t r[9];
     for (int i = 0; i < 9; i++)
-        r[i] = m[i] >> 20;
+        r[i] = m[i] >> 21;
     return r[6] * (r[1] * r[5] - r[2] * r[4]) + r[7] * (r[2] * r[3] - r[0] * r[5]) +
                r[8] * (r[0] * r[4] - r[1] * r[3]) >
            0;
@@ -138,43 +138,6 @@ static bool frame_is_valid(const int16_t f[9])
     return true;
 }
 
-static uint8_t size_code(uint64_t size)
-{
-    unsigned shift = 0;
-    while (size > 15ull << shift)
-        shift++;
-    const uint64_t m = (size + (1ull << shift) - 1) >> shift; /* <= 15; the shift is at most 31, see scene_measure */
-    return (uint8_t)(8 * shift + (m > 8 ? m - 8 : 0));
-}
-
-void scene_measure(struct scene_meshlet *m, const struct scene_vertex *vertices, const struct scene_triangle *triangles)
-{
-    uint64_t area = 0, perimeter = 0; /* twice the area: 32 * 2 * 2^34 < 2^40; <= 96 * 2 * 2^16 */
-    for (unsigned i = 0; i < m->triangle_count; i++) {
-        const uint8_t *t = triangles[m->triangle_first + i].v;
-        int64_t edge[3][3]; /* |.| < 2^16 */
-        for (unsigned j = 0; j < 3; j++) {
-            const struct scene_vertex *a = &vertices[m->vertex_first + t[j]];
-            const struct scene_vertex *b = &vertices[m->vertex_first + t[j == 2 ? 0 : j + 1]];
-            edge[j][0] = b->x - a->x;
-            edge[j][1] = b->y - a->y;
-            edge[j][2] = b->z - a->z;
-            perimeter += scene_length(edge[j][0], edge[j][1], edge[j][2]);
-        }
-        const int64_t *e = edge[0], *f = edge[1];
-        area += scene_length(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
-    }
-    m->area = size_code((area + 127) >> 7);
-    m->perimeter = size_code(perimeter);
-}
-
-static bool size_is_valid(const struct scene *s, const struct scene_meshlet *m)
-{
-    struct scene_meshlet least = *m;
-    scene_measure(&least, s->vertices, s->triangles);
-    return m->area >= least.area && m->perimeter >= least.perimeter;
-}
-
 /* Everything a meshlet refers to, and what it refers to. */
 static bool meshlet_is_valid(const struct scene *s, const struct scene_meshlet *m)
 {
@@ -201,7 +164,7 @@ static bool meshlet_is_valid(const struct scene *s, const struct scene_meshlet *
         if (t[0] >= m->vertex_count || t[1] >= m->vertex_count || t[2] >= m->vertex_count)
             return false;
     }
-    return size_is_valid(s, m);
+    return true;
 }
 
 static bool box_holds(const struct scene_mesh *mesh, const struct scene_meshlet *m)
@@ -332,6 +295,52 @@ enum scene_status scene_open(struct scene *out, const void *blob, size_t bytes)
     s.vertices = (const struct scene_vertex *)(base + h->vertices.offset);
     s.triangles = (const struct scene_triangle *)(base + h->triangles.offset);
     status = check_elements(&s);
+    if (status == SCENE_OK)
+        *out = s;
+    return status;
+}
+
+static uint8_t size_code(uint64_t size)
+{
+    unsigned shift = 0;
+    while (size > 15ull << shift)
+        shift++;
+    const uint64_t m = (size + (1ull << shift) - 1) >> shift; /* <= 15; the shift is at most 31, see below */
+    return (uint8_t)(8 * shift + (m > 8 ? m - 8 : 0));
+}
+
+void scene_measure(struct scene_meshlet *m, const struct scene_vertex *vertices, const struct scene_triangle *triangles)
+{
+    uint64_t area = 0, perimeter = 0; /* twice the area: 32 * 2 * 2^34 < 2^40; <= 96 * 2 * 2^16 */
+    for (unsigned i = 0; i < m->triangle_count; i++) {
+        const uint8_t *t = triangles[m->triangle_first + i].v;
+        int64_t edge[3][3]; /* |.| < 2^16 */
+        for (unsigned j = 0; j < 3; j++) {
+            const struct scene_vertex *a = &vertices[m->vertex_first + t[j]];
+            const struct scene_vertex *b = &vertices[m->vertex_first + t[j == 2 ? 0 : j + 1]];
+            edge[j][0] = b->x - a->x;
+            edge[j][1] = b->y - a->y;
+            edge[j][2] = b->z - a->z;
+            perimeter += scene_length(edge[j][0], edge[j][1], edge[j][2]);
+        }
+        const int64_t *e = edge[0], *f = edge[1];
+        area += scene_length(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
+    }
+    m->area = size_code((area + 127) >> 7);
+    m->perimeter = size_code(perimeter);
+}
+
+enum scene_status scene_open_bounded(struct scene *out, const void *blob, size_t bytes)
+{
+    struct scene s;
+    enum scene_status status = scene_open(&s, blob, bytes);
+    for (uint32_t i = 0; status == SCENE_OK && i < s.header->meshlets.count; i++) {
+        const struct scene_meshlet *m = &s.meshlets[i];
+        struct scene_meshlet least = *m;
+        scene_measure(&least, s.vertices, s.triangles);
+        if (m->area < least.area || m->perimeter < least.perimeter)
+            status = SCENE_ERR_MESHLET;
+    }
     if (status == SCENE_OK)
         *out = s;
     return status;

@@ -225,8 +225,13 @@ enum scene_status {
 const char *scene_status_text(enum scene_status s);
 
 /* Validates every offset, count, index and range above (one pass over meshlets and triangles) and fills *out,
- * which is untouched on error. In: blob of `bytes` bytes, 4-aligned, owned by the caller, must outlive *out. */
+ * which is untouched on error. In: blob of `bytes` bytes, 4-aligned, owned by the caller, must outlive *out. Nothing is drawn by
+ * meshlets' area and perimeter, which are not looked at. */
 enum scene_status scene_open(struct scene *out, const void *blob, size_t bytes);
+
+/* The same for frames under a budget (raster_frame.bounds), which rests on them: SCENE_ERR_MESHLET, too, where an area or a perimeter is
+ * less than scene_measure finds. */
+enum scene_status scene_open_bounded(struct scene *out, const void *blob, size_t bytes);
 
 /* The checks scene_open makes of the parts that a host may also set one by one. */
 enum scene_status scene_check_camera(const struct scene_camera *c);

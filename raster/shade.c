@@ -8,7 +8,7 @@
 #include "func.h"
 
 /* Keeps it below 2^31. */
-static void limit_radiance(struct raster_batch *b)
+FX_NOINLINE static void limit_radiance(struct raster_batch *b)
 {
     for (uint32_t *c = b->radiance[0], *end = b->radiance[b->count]; c != end; c++)
         *c = *c < INT32_MAX ? *c : INT32_MAX;
@@ -178,7 +178,7 @@ static void shade_region(struct shading *o, uint32_t x0, uint32_t y0, struct ras
 }
 
 /* That of the region's first surface that waits for blocks; 0: there is none. */
-static uint32_t find_slot(const struct shading *o, uint32_t x0, uint32_t y0)
+FX_NOINLINE static uint32_t find_slot(const struct shading *o, uint32_t x0, uint32_t y0)
 {
     const unsigned shift = o->r->sample_shift;
     const uint32_t edge = 1u << RASTER_REGION_SHIFT, right = o->width - x0 < edge ? o->width : x0 + edge,

@@ -35,9 +35,9 @@ static void project(struct raster_vertex *p, const struct raster_object *o, cons
 }
 
 /* A triangle that reaches behind the near plane or out of the guard band: its clipped polygon as a fan. */
-static void draw_clipped(struct raster_tile *t, const struct raster_object *o, const struct scene_triangle *tri,
-                         unsigned codes, int32_t centre_x2, int32_t centre_y2, uint32_t slot,
-                         struct raster_stats *stats)
+FX_COLD static void draw_clipped(struct raster_tile *t, const struct raster_object *o, const struct scene_triangle *tri,
+                                 unsigned codes, int32_t centre_x2, int32_t centre_y2, uint32_t slot,
+                                 struct raster_stats *stats)
 {
     struct raster_clip_vertex p[CLIP_MAX_VERTICES];
     struct raster_vertex v[CLIP_MAX_VERTICES];
@@ -50,9 +50,9 @@ static void draw_clipped(struct raster_tile *t, const struct raster_object *o, c
         raster_draw_general(t, &v[0], &v[i - 1], &v[i], slot, stats);
 }
 
-static void draw_general(struct raster_tile *t, const struct raster_object *o, const struct scene_meshlet *m,
-                         const struct scene_vertex *vertex, const struct scene_triangle *triangle, uint32_t slot,
-                         int32_t centre_x2, int32_t centre_y2, struct raster_stats *stats)
+FX_COLD static void draw_general(struct raster_tile *t, const struct raster_object *o, const struct scene_meshlet *m,
+                                 const struct scene_vertex *vertex, const struct scene_triangle *triangle,
+                                 uint32_t slot, int32_t centre_x2, int32_t centre_y2, struct raster_stats *stats)
 {
     struct raster_vertex *p = t->m.general.vertices;
     uint8_t code[SCENE_MESHLET_MAX_VERTICES];
@@ -73,8 +73,8 @@ static void draw_general(struct raster_tile *t, const struct raster_object *o, c
 }
 
 /* By the counts that there are: clipping is not, rows are taken to be of 16 pixels and the triangle's last. */
-static void charge_meshlet(const struct raster *r, const struct scene_meshlet *m, uint32_t visible,
-                           const struct raster_stats *before, struct raster_stats *stats)
+FX_COLD static void charge_meshlet(const struct raster *r, const struct scene_meshlet *m, uint32_t visible,
+                                   const struct raster_stats *before, struct raster_stats *stats)
 {
     const uint32_t drawn = stats->triangles - before->triangles, tested = stats->tested - before->tested,
                    general = stats->general - before->general;
@@ -111,7 +111,7 @@ static void draw_meshlet(const struct raster *r, struct raster_tile *t, const st
     charge_meshlet(r, m, visible, &before, stats);
 }
 
-static void start_run(struct raster_tile *t, const struct raster *r, uint32_t id)
+FX_COLD static void start_run(struct raster_tile *t, const struct raster *r, uint32_t id)
 {
     t->run = id;
     if (!id)

@@ -18,7 +18,7 @@ static int32_t bit_length(uint64_t x)
 }
 
 /* x.m * 2^(x.e + e), rounded to nearest. In: the result is known to fit. */
-static int64_t scaled_to_int(struct scaled x, int32_t e)
+FX_NOINLINE static int64_t scaled_to_int(struct scaled x, int32_t e)
 {
     int32_t shift = x.e + e;
     if (shift >= 0) /* x.m is small: the result fits */
@@ -29,16 +29,10 @@ static int64_t scaled_to_int(struct scaled x, int32_t e)
 }
 
 /* a*b with b's mantissa below 2^31. Keeps 31 bits of a. */
-static struct scaled scaled_mul(struct scaled a, struct scaled b)
+FX_NOINLINE static struct scaled scaled_mul(struct scaled a, struct scaled b)
 {
-    int32_t drop = bit_length(fx_magnitude(a.m)) - 31;
-    if (drop > 0) {
-        a.m >>= drop;
-        a.e += drop;
-    }
-    a.m *= b.m; /* 2^31 * 2^31 */
-    a.e += b.e;
-    return a;
+    int32_t drop = fx_max(bit_length(fx_magnitude(a.m)) - 31, 0);
+    return (struct scaled){(a.m >> drop) * (int32_t)b.m, a.e + drop + b.e};
 }
 
 /* Exponent E such that sum(|row|) * 2^15 + |offset| < 2^(E+1) * (1 - 2^-7), and each of both terms below 2^E. */
@@ -52,20 +46,27 @@ static int32_t row_exponent(const struct scaled row[3], struct scaled offset)
     return a > b ? a : b;
 }
 
-static void row_store(struct raster_object *o, int i, const struct scaled row[3], struct scaled offset, int32_t scale)
+static inline void row_store(struct raster_object *o, int i, const struct scaled row[3], struct scaled offset,
+                             int32_t scale)
 {
     for (int j = 0; j < 3; j++)
         o->row[i][j] = (int32_t)scaled_to_int(row[j], scale + ROW_BITS); /* < 2^15 * 2^ROW_BITS */
     o->offset[i] = scaled_to_int(offset, scale + ROW_BITS);              /* < 2^30 * 2^ROW_BITS */
 }
 
-/* The eye in vertex units, rounded, so far as back-face cones need it. */
-static void eye_setup(struct raster_object *o, const struct scene_object *so, const int64_t to_object[3])
+/* Of a row of a matrix, or with a stride of 3 of a column, with d, Q46. In: it is of unit length, |d| <= sqrt(3) 2^32; so |result| < 2^63. */
+FX_NOINLINE static int64_t dot_q46(const q2_30_t *m, unsigned stride, const int64_t d[3])
+{
+    return m[0] * d[0] + m[stride] * d[1] + m[2 * stride] * d[2];
+}
+
+/* The eye in vertex units, rounded, so far as back-face cones need it. In: from it to the object, q17.16. */
+static void eye_setup(struct raster_object *o, const struct scene_object *so, const int64_t d[3])
 {
     int64_t e[3];
     uint64_t all = 0;
-    for (int j = 0; j < 3; j++) { /* R^T d, Q46: |d| <= sqrt(3) 2^32 and unit columns, so < 2^63 */
-        e[j] = so->rotation[j] * to_object[0] + so->rotation[3 + j] * to_object[1] + so->rotation[6 + j] * to_object[2];
+    for (int j = 0; j < 3; j++) {
+        e[j] = -dot_q46(&so->rotation[j], 3, d);
         all |= fx_magnitude(e[j]);
     }
     /* 1/scale: mantissa in [2^30, 2^31), so recip(2m) = 2^60/m. */
@@ -83,7 +84,13 @@ void raster_object_setup(struct raster_object *o, const struct raster_frame *f, 
     for (int i = 0; i < 3; i++)
         d[i] = (int64_t)so->position[i] - cam->eye[i]; /* q17.16, |d| <= 2^32 */
 
+    /* X and Y in half sub-pixels times w: H/2 * focal * 512 = H * focal * 2^8. w = -e.z, and y runs down. */
+    struct scaled pixels = {(int64_t)f->height * cam->focal, 8 - 16 + raster_sample_shift(f)}; /* < 2^12 * 2^24 */
+    int32_t drop = bit_length((uint64_t)pixels.m) - 31;
+    if (drop > 0)
+        pixels = (struct scaled){pixels.m >> drop, pixels.e + drop};
     struct scaled row[3][3], offset[3];
+    int32_t exponent[3];
     for (int i = 0; i < 3; i++) {
         const q2_30_t *c = cam->rotation + 3 * i;
         for (int j = 0; j < 3; j++) {
@@ -92,33 +99,22 @@ void raster_object_setup(struct raster_object *o, const struct raster_frame *f, 
                           (int64_t)c[2] * so->rotation[6 + j];
             int64_t q30 = (q60 + ((int64_t)1 << 29)) >> 30;
             o->rotation[3 * i + j] = (int16_t)((q30 + (1 << 15)) >> 16);
-            row[i][j] = (struct scaled){(q30 * so->scale_mantissa) >> 30, -30 - so->scale_shift}; /* <= 2^31.1 */
+            int64_t m = (int64_t)(int32_t)q30 * (int32_t)so->scale_mantissa >> 30; /* <= 2^31.1 */
+            const int half = i < 2;                                                /* one exponent: |m| < 2^31 */
+            m >>= half;
+            row[i][j] = (struct scaled){i ? -m : m, half - 30 - so->scale_shift};
+            if (half)
+                row[i][j] = scaled_mul(row[i][j], pixels);
         }
-        /* Q46: unit row times |d| <= sqrt(3) 2^32, so < 2^63 */
-        offset[i] = (struct scaled){c[0] * d[0] + c[1] * d[1] + c[2] * d[2], -46};
+        const int64_t along = dot_q46(c, 1, d);
+        offset[i] = (struct scaled){i ? -along : along, -46};
+        if (i < 2)
+            offset[i] = scaled_mul(offset[i], pixels);
+        exponent[i] = row_exponent(row[i], offset[i]);
     }
-
-    /* w = -e.z; X and Y in half sub-pixels times w: H/2 * focal * 512 = H * focal * 2^8. */
-    struct scaled w_row[3], w_offset = {-offset[2].m, offset[2].e};
-    struct scaled pixels = {(int64_t)f->height * cam->focal, 8 - 16 + raster_sample_shift(f)}; /* < 2^12 * 2^24 */
-    int32_t drop = bit_length((uint64_t)pixels.m) - 31;
-    if (drop > 0)
-        pixels = (struct scaled){pixels.m >> drop, pixels.e + drop};
-    for (int j = 0; j < 3; j++) {
-        w_row[j] = (struct scaled){-row[2][j].m, row[2][j].e};
-        row[0][j] =
-            scaled_mul((struct scaled){row[0][j].m >> 1, row[0][j].e + 1}, pixels); /* one exponent: |m| < 2^31 */
-        row[1][j] = scaled_mul((struct scaled){-(row[1][j].m >> 1), row[1][j].e + 1}, pixels);
-    }
-    offset[0] = scaled_mul(offset[0], pixels);
-    offset[1] = scaled_mul((struct scaled){-offset[1].m, offset[1].e}, pixels);
-
-    int32_t ex = row_exponent(row[0], offset[0]), ey = row_exponent(row[1], offset[1]);
-    int32_t scale_xy = 30 - (ex > ey ? ex : ey);
-    int32_t scale_w = 30 - row_exponent(w_row, w_offset);
-    row_store(o, 0, row[0], offset[0], scale_xy);
-    row_store(o, 1, row[1], offset[1], scale_xy);
-    row_store(o, 2, w_row, w_offset, scale_w);
+    const int32_t scale_xy = 30 - fx_max(exponent[0], exponent[1]), scale_w = 30 - exponent[2];
+    for (int i = 0; i < 3; i++)
+        row_store(o, i, row[i], offset[i], i < 2 ? scale_xy : scale_w);
     o->scale_w = scale_w;
     o->shift_xy = 29 + scale_xy - scale_w;
     /* near_w = ceil(near * 2^scale_w), at least 1; beyond int32 the whole object is nearer than the plane. */
@@ -130,7 +126,7 @@ void raster_object_setup(struct raster_object *o, const struct raster_frame *f, 
     /* inv_w = 2^23 * near2 / w, near2 = the power of two at or below near = 2^(15 - clz(near)) in world units:
      * 1/w = recip * 2^(c - 61 + scale_w), so inv_w = recip >> (61 - 23 - (15 - clz) - scale_w - c). */
     o->shift_depth = 61 - 23 - (15 - (int32_t)fx_clz(cam->near)) - scale_w;
-    eye_setup(o, so, (const int64_t[3]){-d[0], -d[1], -d[2]});
+    eye_setup(o, so, d);
     o->material = (uint8_t)so->material;
 }
 

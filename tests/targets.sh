@@ -5,7 +5,7 @@ TARGETS="cortex-m0 cortex-m3 cortex-m4 cortex-m7 cortex-m33 rv32imac x86-64"
 
 # Files whose code runs once for a frame, a file or a request, or for few triangles, and func.c, which is faster so: compiled for size,
 # by board.mk as well.
-COLD="lut/func.c lut/half_vector.c lut/lut.c raster/bound.c raster/clip.c raster/quality.c raster/scene.c raster/transform.c"
+COLD="lut/func.c lut/half_vector.c lut/lut.c raster/bound.c raster/clip.c raster/general.c raster/quality.c raster/scene.c raster/transform.c"
 COLD+=" firmware/app.c firmware/content.c firmware/messages.c firmware/protocol.c firmware/table_store.c"
 
 # Compiler and machine options of a target. x86-64 is clang's turn, held to the integer registers: a float that slipped

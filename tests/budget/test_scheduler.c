@@ -509,7 +509,7 @@ static void a_budget_takes_no_more_arena_than_the_levels_that_the_scene_asks_for
         struct scene_material materials[SCENE_MAX_MATERIALS];
         size_t bytes;
         void *blob = scenes_make(seed ? SCENES_RANDOM : SCENES_LIGHTS, seed, &bytes);
-        assert_int_equal(scene_open(&s, blob, bytes), SCENE_OK);
+        assert_int_equal(scene_open_bounded(&s, blob, bytes), SCENE_OK);
         for (uint32_t i = 0; i < s.header->materials.count; i++) {
             materials[i] = s.materials[i];
             materials[i].kind = SCENE_MATERIAL_LAFORTUNE_PHONG;

@@ -25,7 +25,7 @@ static int load(void **state)
     if (!path)
         return -1;
     blob = read_file(path, SCENE_MAX_BYTES, &bytes);
-    if (scene_open(&six, blob, bytes) != SCENE_OK)
+    if (scene_open_bounded(&six, blob, bytes) != SCENE_OK)
         return -1;
     memcpy(materials, six.materials, six.header->materials.count * sizeof *materials);
     for (uint32_t i = 0; i < six.header->materials.count; i++)

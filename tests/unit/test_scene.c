@@ -229,7 +229,7 @@ static void open_rejects_each_damaged_field_by_its_status(void **state)
         memset(&s, 0x55, sizeof s);
         untouched = s;
         memcpy(copy + d->at + (d->array < 0 ? 0 : arrays[d->array].offset), &d->value, d->size);
-        enum scene_status status = scene_open(&s, copy, bytes);
+        enum scene_status status = scene_open_bounded(&s, copy, bytes);
         if (status != d->status)
             fail_msg("%s: %s", d->what, scene_status_text(status));
         assert_memory_equal(&s, &untouched, sizeof s);
@@ -238,6 +238,24 @@ static void open_rejects_each_damaged_field_by_its_status(void **state)
     }
     for (int i = SCENE_ERR_MAGIC; i < SCENE_STATUS_COUNT; i++)
         assert_true(seen[i]);
+    free(blob);
+}
+
+/* Nothing is drawn by them: a program without budgets does not pay for measuring. */
+static void sizes_of_meshlets_are_asked_of_bounded_scenes_alone(void **state)
+{
+    (void)state;
+    size_t bytes;
+    uint8_t *blob = small_blob(&bytes);
+    struct scene_meshlet *m =
+        (struct scene_meshlet *)(void *)(blob + ((const struct scene_header *)(const void *)blob)->meshlets.offset);
+    struct scene s;
+    assert_int_equal(scene_open_bounded(&s, blob, bytes), SCENE_OK);
+    assert_ptr_equal(s.meshlets, m);
+    m->perimeter--;
+    assert_int_equal(scene_open_bounded(&s, blob, bytes), SCENE_ERR_MESHLET);
+    assert_int_equal(scene_open(&s, blob, bytes), SCENE_OK);
+    touch(&s);
     free(blob);
 }
 
@@ -391,6 +409,7 @@ int main(void)
         cmocka_unit_test(open_accepts_an_empty_scene),
         cmocka_unit_test(open_rejects_every_truncation),
         cmocka_unit_test(open_rejects_each_damaged_field_by_its_status),
+        cmocka_unit_test(sizes_of_meshlets_are_asked_of_bounded_scenes_alone),
         cmocka_unit_test(point_lights_are_checked),
         cmocka_unit_test(reference_reader_agrees_on_point_lights),
         cmocka_unit_test(metallic_roughness_materials_are_checked),

@@ -6,6 +6,7 @@
 
 extern const struct raster_parts *const product_parts;
 extern const struct budget_scheduler *const product_budgets; /* or NULL */
+extern enum scene_status (*const product_open)(struct scene *out, const void *blob, size_t bytes);
 extern const struct hal product_hal;
 extern const struct raster_costs product_costs;
 extern const uint32_t product_table[], product_scene[];
@@ -21,7 +22,7 @@ int main(void)
 {
     static struct budget budget;
     static const struct lut_table *const tables[RASTER_MAX_SLOTS] = {&table};
-    if (lut_open(&table, product_table, 1 << 16) != LUT_OK || scene_open(&scene, product_scene, 1 << 20) != SCENE_OK)
+    if (lut_open(&table, product_table, 1 << 16) != LUT_OK || product_open(&scene, product_scene, 1 << 20) != SCENE_OK)
         return 1;
     struct raster_frame frame = {
         .parts = product_parts,
