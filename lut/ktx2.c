@@ -40,7 +40,7 @@ const char *lut_status_text(enum lut_status s)
         [LUT_ERR_AXES] = "the table's axes are missing or out of range",
         [LUT_ERR_WARP] = "a warp is missing, not monotone or does not end at the last node",
         [LUT_ERR_EXPONENT] = "the cell exponents or the scale are missing or out of range",
-        [LUT_ERR_SLABS] = "the re-packed copy is cut short or points outside itself",
+        [LUT_ERR_SLABS] = "the re-packed copy is cut short, points outside itself or contradicts its cells",
     };
     return (unsigned)s < LUT_STATUS_COUNT ? text[s] : "unknown status";
 }
@@ -67,7 +67,7 @@ static bool equals_bytes(const uint8_t *a, const uint8_t *b, uint32_t n)
 }
 
 /* Bytes up to and without the first NUL, or `limit` when there is none. */
-static uint32_t string_length(const uint8_t *s, uint32_t limit)
+FX_COLD static uint32_t string_length(const uint8_t *s, uint32_t limit)
 {
     uint32_t n = 0;
     while (n < limit && s[n] != 0) {

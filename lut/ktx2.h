@@ -22,7 +22,7 @@ enum lut_status {
     LUT_ERR_AXES,       /* goniotile.* metadata missing, out of range or inconsistent with the dimensions */
     LUT_ERR_WARP,       /* a warp missing, of the wrong length, decreasing, or not from the first to the last node */
     LUT_ERR_EXPONENT,   /* cell exponents missing or above 31, scale out of range */
-    LUT_ERR_SLABS,      /* the re-packed copy is cut short or points outside itself */
+    LUT_ERR_SLABS,      /* the re-packed copy is cut short, points outside itself or contradicts its cells */
     LUT_STATUS_COUNT
 };
 

@@ -78,15 +78,17 @@ static bool warp_valid(const uint16_t *w, uint32_t count, uint32_t nodes)
     return true;
 }
 
-/* Every record's two rows lie behind the records and inside the value. In: bytes < 2^24, a multiple of 4. */
-static bool slabs_valid(const uint32_t *slabs, uint32_t bytes, uint32_t cells, uint32_t row_bytes)
+/* Every record has its cell's exponent, and its two rows lie behind the records and inside the value. In: bytes < 2^24, a multiple of 4. */
+static bool slabs_valid(const uint32_t *slabs, const uint8_t *exponents, uint32_t bytes, uint32_t cells,
+                        uint32_t row_bytes)
 {
     if (bytes < 4 * cells || bytes - 4 * cells < 2 * row_bytes) {
         return false;
     }
     for (uint32_t i = 0; i < cells; i++) {
         uint32_t offset = slabs[i] >> 8;
-        if ((slabs[i] & 255) > 31 || offset % 4 != 0 || offset < 4 * cells || offset > bytes - 2 * row_bytes) {
+        if ((slabs[i] & 255) != exponents[i] || offset % 4 != 0 || offset < 4 * cells ||
+            offset > bytes - 2 * row_bytes) {
             return false;
         }
     }
@@ -117,15 +119,18 @@ static enum lut_status open_half_vector(struct lut_table *out, const struct ktx2
     if (out->cells == NULL) {
         return LUT_ERR_EXPONENT;
     }
+    out->brightest = 0;
     for (uint32_t i = 0; i < cells; i++) {
-        if (out->cells[i] > 31) {
-            return LUT_ERR_EXPONENT;
-        }
+        out->brightest = out->cells[i] > out->brightest ? out->cells[i] : out->brightest;
+    }
+    if (out->brightest > 31) {
+        return LUT_ERR_EXPONENT;
     }
     out->slabs = NULL;
     if (ktx2_find_bytes(view, "goniotile.slabs", &length)) {
         out->slabs = find_array(view, "goniotile.slabs", length);
-        if (out->slabs == NULL || length >> 24 || length % 4 || !slabs_valid(out->slabs, length, cells, 12 * width)) {
+        if (out->slabs == NULL || length >> 24 || length % 4 ||
+            !slabs_valid(out->slabs, out->cells, length, cells, 12 * width)) {
             return LUT_ERR_SLABS;
         }
     }

@@ -43,6 +43,7 @@ struct lut_table {
     const uint16_t *warp_h; /* LUT_WARP_H_NODES */
     const uint16_t *warp_d; /* LUT_WARP_D_NODES */
     const uint8_t *cells;   /* largest exponent field of a cell's texels over all t: [d][h], (depth-1) x (height-1) */
+    uint32_t brightest;     /* the largest of these */
     const uint32_t
         *slabs; /* NULL, or the re-packed copy: records of all cells, then rows (SPEC.md, "Re-packed copy") */
 };

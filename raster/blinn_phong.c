@@ -44,11 +44,11 @@ static void blinn_ambient(struct raster_batch *b, const struct scene_material *m
     raster_add_ambient(b, m, fx_mulhi_u(exposure, 269860937), 1u << 20); /* 0.02 pi */
 }
 
-static bool blinn_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
+static uint32_t blinn_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
 {
     (void)r;
     (void)m;
-    return !l->shift;
+    return l->shift ? 0 : RASTER_SLOW(RASTER_SHADE_BLINN_PHONG);
 }
 
 const struct raster_model raster_blinn_phong_model = {.shading = RASTER_SHADE_BLINN_PHONG,

@@ -152,8 +152,8 @@ struct raster_model {
     void (*lobe)(struct raster_lobe *l, const struct scene_material *m);
     /* Light that comes from everywhere, after all others, and what follows it. */
     void (*ambient)(struct raster_batch *b, const struct scene_material *m, uq16_16_t exposure);
-    /* Whether a material, with its table or power function, takes a slower way under some light: struct raster_costs. */
-    bool (*slow)(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l);
+    /* Whether a material, with its table or power function, takes a slower way under some light: bits of raster.slow. */
+    uint32_t (*slow)(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l);
     enum raster_shading shading;
     bool scales_b; /* it takes b cos(theta_d) */
     bool facing;   /* its lobe needs the surface to face the viewer */

@@ -167,7 +167,7 @@ __attribute__((always_inline)) static inline uint32_t shade(struct raster_batch 
                                                             const struct raster_block_light *light, const bool packed,
                                                             const enum raster_taps taps)
 {
-    const struct half_vector_constants k = half_vector_constants_find(table, light);
+    const struct half_vector_constants k = half_vector_constants_find(table, light->colour);
     struct raster_walk walk = {.y = UINT32_MAX};
     uint32_t lit = 0;
     for (uint32_t i = first; i < end; i++) {
@@ -232,12 +232,16 @@ static uint32_t shade_half_vector(struct raster_batch *b, uint32_t first, uint32
     return t->slabs ? HALF_VECTOR_PACKED(b, first, end, t, light) : HALF_VECTOR_PLAIN(b, first, end, t, light);
 }
 
-/* From its texels, on cores whose loop is for the re-packed copy. */
-static bool half_vector_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
+/* On cores whose loop is for the re-packed copy: from its texels, or with cells that the loop leaves to them. */
+static uint32_t half_vector_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
 {
     const struct lut_table *t = r->frame.tables[m->slot];
     (void)l;
-    return !t->slabs || t->height > HALF_VECTOR_LOOP_H;
+    uint32_t slow = !t->slabs || t->height > HALF_VECTOR_LOOP_H ? RASTER_SLOW(RASTER_SHADE_HALF_VECTOR) : 0;
+    for (uint32_t i = 0; i < r->frame.light_count && !slow; i++)
+        if (half_vector_constants_find(t, r->lights[i].irradiance).top < (int32_t)t->brightest)
+            slow = RASTER_SLOW(RASTER_SHADE_HALF_VECTOR) | RASTER_SLOW_BRIGHT;
+    return slow;
 }
 
 /* The coordinate on the d axis, TERM_D_BITS. */

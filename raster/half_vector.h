@@ -81,16 +81,16 @@ struct half_vector_constants {
 /* A term is sum 2^(E - 24 - 6 - 14 + scale) * (ratio 2^-15) * (colour 2^(up - 31)) with 20 fraction bits, and is computed as
  * (sum * (ratio << 16 >> shift) >> 32) * colour >> 32, thus shift = 22 - scale - up - E. */
 static inline struct half_vector_constants half_vector_constants_find(const struct lut_table *t,
-                                                                      const struct raster_block_light *light)
+                                                                      const uq16_16_t irradiance[3])
 {
     struct half_vector_constants c;
-    uint32_t largest = light->colour[0] | light->colour[1] | light->colour[2] | 1;
+    uint32_t largest = irradiance[0] | irradiance[1] | irradiance[2] | 1;
     unsigned lead = fx_clz(largest);
     c.top = 22 - t->scale - (16 - (int32_t)lead);
     unsigned dim = c.top > 31 ? (unsigned)c.top - 31 : 0; /* at most 38 - 31 + 16 */
     c.top -= (int32_t)dim;
     for (int k = 0; k < 3; k++)
-        c.colour[k] = light->colour[k] << lead >> 1 >> dim;
+        c.colour[k] = irradiance[k] << lead >> 1 >> dim;
     return c;
 }
 

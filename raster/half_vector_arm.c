@@ -1,9 +1,12 @@
 /*
- * Sets the loops of half_vector_arm.h to work. Pixels that they do not take, brighter than a scale can say, are portable C's.
+ * Sets the loops of half_vector_arm.h to work. Pixels that they do not take, brighter than a scale can say, are portable C's, and so are
+ * some after them, likely to be bright, too.
  */
 #include "half_vector_arm.h"
 
 #ifdef RASTER_ARM
+
+#define BRIGHT_PIXELS 8
 
 /* By the loop, and by portable C of as many taps. Inline: so a program is linked with no loop that it does not ask for. */
 __attribute__((always_inline)) static inline uint32_t
@@ -12,7 +15,7 @@ shade_by_loop(struct raster_batch *b, uint32_t first, uint32_t end, const struct
 {
     if (table->height > HALF_VECTOR_LOOP_H)
         return portable(b, first, end, table, light);
-    const struct half_vector_constants c = half_vector_constants_find(table, light);
+    const struct half_vector_constants c = half_vector_constants_find(table, light->colour);
     const struct half_vector_loop k = {.warp = (uintptr_t)table->warp_h + 2 * (8 * 19 - 8),
                                        .half = (1u << 21) - 64,
                                        .width = (table->width - 1) << 6 | 12 << 16,
@@ -27,8 +30,11 @@ shade_by_loop(struct raster_batch *b, uint32_t first, uint32_t end, const struct
         const struct raster_batch_pixel *bright = (const struct raster_batch_pixel *)(uintptr_t)(uint32_t)out;
         lit -= (uint32_t)(out >> 32);
         i = (uint32_t)(bright - b->pixel);
-        if (i < end)
-            portable(b, i, i + 1, table, light);
+        if (i < end) {
+            const uint32_t last = fx_min_u(i + BRIGHT_PIXELS, end);
+            lit -= last - i - portable(b, i, last, table, light);
+            i = last - 1;
+        }
     }
     return lit;
 }

@@ -259,7 +259,7 @@ uint32_t raster_half_vector_wide(struct raster_batch *b, uint32_t first, uint32_
     raster_half_vector *const narrow = narrow_find(packed, taps);
     if (first || end < WIDE_LANES)
         return narrow(b, first, end, t, light);
-    const struct half_vector_constants c = half_vector_constants_find(t, light);
+    const struct half_vector_constants c = half_vector_constants_find(t, light->colour);
     const uint32_t step[3] = {packed ? 3 : 1, packed ? 0 : t->width, packed ? 0 : t->width * t->height};
     struct half_vector_lanes o;
     wide_gather(&o.p, b, end, light);

@@ -87,8 +87,8 @@ FX_COLD void raster_light_setup(struct raster *r)
             lobe = &r->lobes[count++];
             model->lobe(lobe, m);
         }
-        if (model && model->slow && f->costs && model->slow(r, m, lobe))
-            r->slow |= 1u << model->shading;
+        if (model && model->slow && f->costs)
+            r->slow |= model->slow(r, m, lobe);
     }
 }
 
@@ -247,12 +247,12 @@ static uint32_t term_find(const struct raster_model *model, const struct lut_tab
 }
 
 /* The largest it may be anywhere in a block. */
-static int32_t term_limit(const struct raster_model *model, const struct lut_table *t)
+FX_NOINLINE static int32_t term_limit(const struct raster_model *model, const struct lut_table *t)
 {
     return model->shading == RASTER_SHADE_HALF_VECTOR ? (int32_t)((t->depth - 1) << TERM_D_BITS) - 1 : 1 << 27;
 }
 
-static void scale_b(struct corner *c, struct raster_angle angle)
+FX_NOINLINE static void scale_b(struct corner *c, struct raster_angle angle)
 {
     const int32_t k = (int32_t)(angle.cosine >> 12); /* Q15 */
     for (int i = B_X; i <= B_Z; i++)
@@ -284,7 +284,7 @@ static inline struct slope slope_fit(int32_t p0, int32_t p1, int32_t p2, int32_t
 
 /* What a's or b's corners (from unit[first] on) are multiplied by, less 1, Q15: a plane through unit vectors is shorter than 1
  * between them, in the middle by (1 - |mean|^2)/2, on average by two thirds of that. */
-static int32_t shortfall(const struct corner c[4], int first)
+FX_NOINLINE static int32_t shortfall(const struct corner c[4], int first)
 {
     int32_t s = 1 << 30;
     for (int i = first; i < first + 3; i++) {

@@ -122,14 +122,14 @@ static void lafortune_lobe(struct raster_lobe *l, const struct scene_material *m
     raster_lobe_setup(l, m->exponent);
 }
 
-static bool lafortune_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
+static uint32_t lafortune_slow(const struct raster *r, const struct scene_material *m, const struct raster_lobe *l)
 {
     uint32_t bright = 0;
     struct phong_loop k;
     for (uint32_t i = 0; i < r->frame.light_count; i++)
         for (int j = 0; j < 3; j++)
             bright |= colour_find(&k.colour[j], peak_scale(m) << 6, m->kd[j], m->ks[j], r->lights[i].irradiance[j]);
-    return bright >= 64 || !l->shift;
+    return bright >= 64 || !l->shift ? RASTER_SLOW(RASTER_SHADE_LAFORTUNE_PHONG) : 0;
 }
 
 const struct raster_model raster_lafortune_phong_model = {.shading = RASTER_SHADE_LAFORTUNE_PHONG,

@@ -125,7 +125,7 @@ static bool light_at(struct vec3 *l, uint32_t *attenuation, const struct raster 
     return raster_point_light(l, attenuation, &light->v, light->radius, raster_surface_point(r, x, y, depth));
 }
 
-static int32_t lower(int32_t a, int32_t b)
+FX_NOINLINE static int32_t lower(int32_t a, int32_t b)
 {
     return saturate((int64_t)fx_min(a, b) - 2 - (fx_max(a < 0 ? -a : a, b < 0 ? -b : b) >> 22));
 }

@@ -109,6 +109,10 @@ enum raster_shading {
     RASTER_SHADE_BLINN_PHONG_ROW, /* likewise */
     RASTER_SHADE_COUNT
 };
+/* Bits of raster.slow: of Phong's models broad lobes or much light, of half-vector tables those without a re-packed copy or too tall for its
+ * loop, and those that may be brighter than it takes. */
+#define RASTER_SLOW(shading) (1u << (shading))
+#define RASTER_SLOW_BRIGHT   RASTER_SLOW(RASTER_SHADE_COUNT)
 static inline enum raster_shading raster_shading_of(const struct raster *r, uint32_t material, enum raster_rate rate)
 {
     const enum raster_shading blocks = (enum raster_shading)r->shading[material];
@@ -155,7 +159,9 @@ struct raster_costs {
     uint32_t taps[RASTER_TAPS_COUNT]; /* what a half-vector table takes less, of `lit`, with fewer */
     uint32_t texels
         [RASTER_TAPS_COUNT]; /* what it takes more of that, by so many, where raster.slow says so: from its texels */
-    uint32_t broad; /* what Phong's models do: with lobes of a power up to 1, or light beyond their loop's range */
+    uint32_t bright;         /* ... and on top where it may be brighter than the loop for the re-packed copy takes */
+    uint32_t broad;      /* what Phong's models do: with lobes of a power up to 1, or light beyond their loop's range */
+    uint32_t slow_point; /* what any of these take more still, under a point light */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */
@@ -173,15 +179,16 @@ static inline struct raster_shading_cost raster_shading_cost_of(const struct ras
     const struct raster_costs *costs = r->frame.costs;
     struct raster_shading_cost c = costs->shading[shading];
     uint32_t more = 0; /* of a light */
-    if (shading == RASTER_SHADE_HALF_VECTOR && !(r->slow >> shading & 1)) {
+    if (shading == RASTER_SHADE_HALF_VECTOR && !(r->slow & RASTER_SLOW(shading))) {
         c.lit -= costs->taps[taps];
     } else if (shading == RASTER_SHADE_HALF_VECTOR) {
-        more = costs->texels[RASTER_TAPS_8];
-        c.lit += costs->texels[taps] - more;
-    } else if (r->slow >> shading & 1) {
+        more = costs->texels[RASTER_TAPS_8] + (r->slow & RASTER_SLOW_BRIGHT ? costs->bright : 0);
+        c.lit -= costs->texels[RASTER_TAPS_8] - costs->texels[taps];
+    } else if (r->slow & RASTER_SLOW(shading)) {
         more = costs->broad;
     }
     c.lit += more;
+    more += more ? costs->slow_point : 0;
     c.point += more;
     c.flat += RASTER_LEAST_LIGHTS * more;
     return c;

@@ -152,7 +152,7 @@ struct raster {
     uint8_t lobe_of_material[SCENE_MAX_MATERIALS];
     bool in_rows[SCENE_MAX_MATERIALS];    /* materials shaded in runs of a row: without the view, or point lights */
     uint8_t shading[SCENE_MAX_MATERIALS]; /* enum raster_shading, where they are not */
-    uint32_t slow; /* bit for each enum raster_shading: some material takes a slower way than its costs are of */
+    uint32_t slow; /* RASTER_SLOW(enum raster_shading): some material takes a slower way than its costs are of */
     struct raster_view view;
     uint8_t
         block_shift; /* log2 of the largest shading block's edge, pixels; 0: v changes too fast to be interpolated */

@@ -24,7 +24,7 @@ enum {
 };
 
 struct line {
-    char step[12];
+    char step[16];
     double ticks, v[COLUMNS];
 };
 
@@ -50,7 +50,7 @@ static struct lines read_lines(const char *path)
         ended = !strncmp(text, "end ", 4);
         if (ended)
             break;
-        if (sscanf(text, "%11s %lf %lf %lf %lf %lf %lf %lf %lf %lf", l->step, &l->ticks, v, v + 1, v + 2, v + 3, v + 4,
+        if (sscanf(text, "%15s %lf %lf %lf %lf %lf %lf %lf %lf %lf", l->step, &l->ticks, v, v + 1, v + 2, v + 3, v + 4,
                    v + 5, v + 6, v + 7) < 3)
             die(EXIT_BAD_INPUT, "%s: not a measurement: %s", path, text);
         all.count++;
@@ -144,7 +144,7 @@ static void fit_free(struct fit *f)
 struct table {
     double tile, clear, meshlet, vertex, triangle, general, facing, row, tested, general_facing, general_row,
         general_tested, survey, light, region, flat, part, cell, finished, run, taps[RASTER_TAPS_COUNT],
-        texels[RASTER_TAPS_COUNT], broad;
+        texels[RASTER_TAPS_COUNT], bright, broad, slow_point;
     struct {
         double planes, sample, lit, dark, point, flat;
     } shading[RASTER_SHADE_COUNT];
@@ -238,11 +238,11 @@ static bool is_regular(const struct line *l)
     return is(l, "shade") && l->v[1] < RASTER_RATE_FLAT && l->v[7] <= 24;
 }
 
-/* What fewer taps save at least, and tables without a re-packed copy take more at most, of a light that reaches many pixels; and regions' cost is
- * raised where that is not all. */
+/* What fewer taps save at least, and tables without a re-packed copy, or beyond its loop, take more at most of a light that reaches many
+ * pixels; and regions' cost is raised where that is not all. */
 static void fit_taps(struct table *t, struct fit *f, const struct lines *all)
 {
-    double counts[MAX_VARIABLES];
+    double counts[MAX_VARIABLES], all_bright[RASTER_TAPS_COUNT] = {0};
     t->taps[RASTER_TAPS_4] = t->taps[RASTER_TAPS_1] = f->x[2];
     for (int pass = 0; pass < 2; pass++) {
         const struct line *of_eight = NULL;
@@ -250,23 +250,28 @@ static void fit_taps(struct table *t, struct fit *f, const struct lines *all)
             const struct line *l = &all->line[i];
             const int taps = (int)l->v[0];
             const double lit = l->v[1], more = of_eight ? l->ticks - of_eight->ticks : 0;
-            const bool texels = is(l, "texels");
+            const bool bright = is(l, "bright"), texels = bright || is(l, "texels");
             if (!texels && !is(l, "taps")) {
                 of_eight = is_regular(l) ? l : is(l, "shade") ? NULL : of_eight;
                 continue;
             }
             if (!of_eight || (!pass && lit < LARGE))
                 continue;
-            if (!pass && texels)
+            if (!pass && bright)
+                all_bright[taps] = fmax(all_bright[taps], more / lit);
+            else if (!pass && texels)
                 t->texels[taps] = fmax(t->texels[taps], more / lit);
             else if (!pass)
                 t->taps[taps] = fmin(t->taps[taps], fmax(-more / lit, 0));
             if (!pass)
                 continue;
             shade_counts(counts, of_eight->v, (unsigned)((of_eight->v[3] + of_eight->v[4]) / of_eight->v[2]));
-            const double fitted = fit_at(f, counts) + lit * (texels ? t->texels[taps] : -t->taps[taps]);
+            const double fitted =
+                fit_at(f, counts) + lit * (texels ? t->texels[taps] + (bright ? t->bright : 0) : -t->taps[taps]);
             at_least(&f->x[REGION], f->x[REGION] + (l->ticks - fitted) / of_eight->v[7]);
         }
+        for (int taps = 0; taps < RASTER_TAPS_COUNT; taps++)
+            t->bright = fmax(t->bright, all_bright[taps] - t->texels[taps]);
     }
 }
 
@@ -310,6 +315,21 @@ static void fit_shading(struct table *t, const struct lines *all)
         shade_counts(counts, l->v, 0);
         counts[4 * k + 2] = counts[4 * k + 3] = 0;
         at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
+    }
+    for (size_t i = 0; i < all->count;
+         i++) { /* slower ways, which they are not on top of as under directional lights */
+        const struct line *l = &all->line[i];
+        const int k = (int)l->v[0];
+        const double texels = t->texels[RASTER_TAPS_8];
+        const double more = is(l, "point_broad")    ? t->broad
+                            : is(l, "point_texels") ? texels
+                            : is(l, "point_bright") ? texels + t->bright
+                                                    : -1;
+        if (more < 0 || l->v[1] == RASTER_RATE_FLAT || l->v[5] < LARGE)
+            continue;
+        shade_counts(counts, l->v, 0);
+        counts[4 * k + 2] = counts[4 * k + 3] = 0;
+        at_least(&t->slow_point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]) - t->shading[k].point - more);
     }
     fit_free(&f);
 }
@@ -406,6 +426,8 @@ static void print_table(const struct table *t, const char *target)
     print_cost("run", t->run);
     print_cost("plan", PLAN);
     print_cost("broad", t->broad);
+    print_cost("bright", t->bright);
+    print_cost("slow_point", t->slow_point);
     printf("    .texels = {%.0f, %.0f, %.0f},\n", ceil(16 * t->texels[RASTER_TAPS_8]),
            ceil(16 * t->texels[RASTER_TAPS_4]), ceil(16 * t->texels[RASTER_TAPS_1]));
     printf("    .taps = {0, %.0f, %.0f},\n", floor(16 * t->taps[RASTER_TAPS_4]), floor(16 * t->taps[RASTER_TAPS_1]));

@@ -523,17 +523,19 @@ static void make_inside(struct maker *k)
 void *scenes_make(enum scenes_kind kind, uint32_t seed, size_t *bytes)
 {
     static void (*const make[SCENES_KIND_COUNT])(struct maker *) = {
-        make_random, make_one_tile, make_slivers, make_lights, make_interleaved, make_inside, make_random};
+        make_random, make_one_tile, make_slivers, make_lights, make_interleaved, make_inside, make_random, make_random};
     struct maker k;
     begin(&k, seed);
     k.broad = kind == SCENES_BROAD;
     make[kind](&k);
+    if (kind == SCENES_BRIGHT)
+        k.header.output.exposure = 256u << 16;
     return finish(&k, bytes);
 }
 
 const char *scenes_name(enum scenes_kind kind)
 {
     static const char *const names[SCENES_KIND_COUNT] = {"random",      "one_tile", "slivers", "lights",
-                                                         "interleaved", "inside",   "broad"};
+                                                         "interleaved", "inside",   "broad",   "bright"};
     return names[kind];
 }

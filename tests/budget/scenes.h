@@ -15,6 +15,7 @@ enum scenes_kind {
     SCENES_INTERLEAVED, /* six materials, each pixel another than its neighbours */
     SCENES_INSIDE,      /* the camera within meshes, near planes cutting them */
     SCENES_BROAD,       /* as random ones, with lobes of a power up to 1, which take more than others */
+    SCENES_BRIGHT,      /* as random ones, with light that tables and lobes reflect far beyond white */
     SCENES_KIND_COUNT
 };
 

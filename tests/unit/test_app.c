@@ -38,12 +38,13 @@ static void costs_out_of_range_are_refused(void **state)
     costs.taps[RASTER_TAPS_1] = costs.shading[RASTER_SHADE_HALF_VECTOR].lit + 1; /* likewise */
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     costs = *d->config.costs;
-    costs.texels[RASTER_TAPS_8] = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_HALF_VECTOR].point;
+    costs.texels[RASTER_TAPS_8] =
+        APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_HALF_VECTOR].point - costs.bright - costs.slow_point;
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
     costs.texels[RASTER_TAPS_8]++; /* on top of that */
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     costs = *d->config.costs;
-    costs.broad = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_BLINN_PHONG].point + 1;
+    costs.broad = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_BLINN_PHONG].point - costs.slow_point + 1;
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     sim_device_destroy(d);
 }

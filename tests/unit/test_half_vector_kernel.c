@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "half_vector.h"
+#include "quality.h"
 #include "ref_table.h"
 
 static uint64_t seed = 1;
@@ -363,6 +364,33 @@ static void fewer_taps_are_of_the_nearest_nodes(void **state)
     free_table(&t);
 }
 
+/* Brighter than the loop takes: where a texel below 2^(E - 15 + scale) may reflect 128 of a light, rounded up to a power of two. */
+static void tables_beyond_the_loops_range_say_so(void **state)
+{
+    struct lut_table t = {.kind = LUT_HALF_VECTOR, .height = 8};
+    const struct lut_table *const tables[] = {&t};
+    struct raster_light lights[3] = {{.radius = 0}};
+    const struct scene_material m = {.kind = SCENE_MATERIAL_MEASURED};
+    struct raster r = {.frame = {.tables = tables, .light_count = 3}, .lights = lights};
+    unsigned seen[2] = {0};
+    (void)state;
+    for (unsigned n = 0; n < 200000; n++) {
+        const uint32_t irradiance = 1 + (random32() >> random32() % 32);
+        t.slabs = &irradiance; /* some */
+        t.scale = (int32_t)(random32() % 33) - 16;
+        t.brightest = random32() % 32;
+        lights[n % 3].irradiance[n / 3 % 3] = irradiance;
+        const bool bright = exp2((int)t.brightest - 15 + t.scale) * exp2(floor(log2(irradiance)) - 15) > 128;
+        const uint32_t all = RASTER_SLOW(RASTER_SHADE_HALF_VECTOR) | RASTER_SLOW_BRIGHT;
+        assert_int_equal(raster_half_vector_model.slow(&r, &m, NULL), bright ? all : 0);
+        seen[bright]++;
+        t.slabs = NULL; /* read from its texels whatever there is */
+        assert_int_equal(raster_half_vector_model.slow(&r, &m, NULL), RASTER_SLOW(RASTER_SHADE_HALF_VECTOR));
+        lights[n % 3].irradiance[n / 3 % 3] = 0;
+    }
+    assert_true(seen[0] > 10000 && seen[1] > 10000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -370,6 +398,7 @@ int main(void)
         cmocka_unit_test(kernel_agrees_with_lut_eval),
         cmocka_unit_test(four_taps_are_eight_where_the_azimuth_does_not_matter),
         cmocka_unit_test(fewer_taps_are_of_the_nearest_nodes),
+        cmocka_unit_test(tables_beyond_the_loops_range_say_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

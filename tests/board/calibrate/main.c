@@ -6,8 +6,10 @@
  *   shade TICKS shading rate samples lit dark pixels parts blocks       one tile's regions under directional lights alone
  *   broad TICKS ...                                                     the same with lobes of a power below 1
  *   point TICKS ...                                                     ... under point lights alone
+ *   point_broad, point_texels, point_bright TICKS ...                   likewise, by the ways of these names
  *   taps TICKS taps lit                                                 the last of these tiles by fewer taps
  *   texels TICKS taps lit                                               ... from the table's texels, by so many
+ *   bright TICKS taps lit                                               ... brighter than the loop for the re-packed copy takes
  *   finish TICKS covered shading row_pixels row_lights pixels row_runs runs             one tile; shading and pixels of what is shaded in rows
  *   end hash H                                                          of all pixels: the same on every target
  * Parts are pairs of a cell of 4 x 4 pixels and a meshlet that shows in it. Input: four uint32_t, how many bytes blob, half-vector table and
@@ -22,7 +24,8 @@ enum { WIDTH = 320, HEIGHT = 240, ARENA_BYTES = 256 * 1024, LIGHTS = 4, CAMERAS 
 
 static uint64_t arena[ARENA_BYTES / 8];
 static struct scene scene;
-static struct lut_table half_vector, plain, specular_frame; /* the second without its re-packed copy */
+static struct lut_table half_vector, plain, bright,
+    specular_frame; /* without its re-packed copy; all beyond the loop for it */
 static const struct lut_table *tables[RASTER_MAX_SLOTS] = {&half_vector, &specular_frame};
 static struct scene_material materials[SCENE_MAX_MATERIALS];
 static struct scene_light lights[LIGHTS];
@@ -60,6 +63,8 @@ static void open_input(void)
     checked(lut_open(&specular_frame, part[2], bytes[2]) == LUT_OK, "no specular-frame table");
     plain = half_vector;
     plain.slabs = NULL;
+    bright = half_vector;
+    bright.scale = 40;
     measures = !bytes[3];
     stride = measures ? stride : bytes[3];
 }
@@ -257,8 +262,8 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
     hash = report_hash(hash, raster_tile_pixels(&work), 3u * rect.width * rect.height);
     if (!measures)
         return;
-    if (taps || tables[0] == &plain) {
-        report_text(tables[0] == &plain ? "texels" : "taps");
+    if (raster.directional && (taps || tables[0] != &half_vector)) {
+        report_text(tables[0] == &bright ? "bright" : tables[0] == &plain ? "texels" : "taps");
         report_number("", ticks);
         report_number("", taps);
         report_number("", shaded.shaded);
@@ -273,7 +278,11 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
         report_text("\n");
     }
     if (pixels && !rows) {
-        report_text(broad ? "broad" : raster.directional ? "shade" : "point");
+        report_text(raster.directional     ? broad ? "broad" : "shade"
+                    : broad                ? "point_broad"
+                    : tables[0] == &plain  ? "point_texels"
+                    : tables[0] == &bright ? "point_bright"
+                                           : "point");
         report_number("", ticks);
         report_number("", shading);
         report_number("", rate);
@@ -285,6 +294,8 @@ static void tile(uint32_t index, enum raster_shading shading, enum raster_rate r
         report_number("", blocks);
         report_text("\n");
     }
+    if (tables[0] != &half_vector)
+        return;
     report_text("finish");
     report_number("", finish);
     report_number("", stats.covered);
@@ -356,21 +367,23 @@ _Noreturn void board_main(void)
                 for (unsigned light = 0; light < 3; light++) {
                     if (shading >= RASTER_SHADE_DIFFUSE_ROW && (rate || light == 2))
                         continue; /* rows are of rate 1x1 under directional lights */
-                    if (broad && (rate == RASTER_RATE_FLAT || light == 2))
+                    if (broad && rate == RASTER_RATE_FLAT)
                         continue;
                     begin(light == 0   ? set_lights(3, 0)
                           : light == 1 ? set_lights(1, 0)
                                        : set_lights(0, 4),
                           !measures && c % 2 ? 4 : 1);
                     const bool print = measures && shading == 0 && rate == 0 && light == 0;
-                    const bool fewer = shading == RASTER_SHADE_HALF_VECTOR && raster.directional;
+                    const bool table = shading == RASTER_SHADE_HALF_VECTOR, fewer = table && raster.directional;
                     for (uint32_t t = c; t < raster_tile_count(&raster); t += stride) {
                         tile(t, (enum raster_shading)shading, (enum raster_rate)rate, print);
                         for (taps = RASTER_TAPS_4; fewer && taps < RASTER_TAPS_COUNT; taps++)
                             tile(t, (enum raster_shading)shading, (enum raster_rate)rate, false);
-                        tables[0] = &plain;
-                        for (taps = RASTER_TAPS_8; fewer && taps < RASTER_TAPS_COUNT; taps++)
-                            tile(t, (enum raster_shading)shading, (enum raster_rate)rate, false);
+                        for (unsigned slow = 0; slow < 2; slow++) {
+                            tables[0] = slow ? &bright : &plain;
+                            for (taps = RASTER_TAPS_8; table && taps < (fewer ? RASTER_TAPS_COUNT : 1); taps++)
+                                tile(t, (enum raster_shading)shading, (enum raster_rate)rate, false);
+                        }
                         tables[0] = &half_vector;
                         taps = RASTER_TAPS_8;
                     }
