@@ -76,8 +76,8 @@ struct raster_frame {
     uint8_t format;      /* enum raster_format */
     uint8_t samples;     /* of coverage per pixel: 4 (width, height <= 2048), or 0 or 1 for the centre alone */
     const struct raster_costs *costs; /* what the target takes (quality.h); NULL: it is not counted */
-    const struct raster_bounds
-        *bounds;          /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs; or NULL */
+    const struct raster_bounds *
+        bounds; /* &raster_tile_bounds (quality.h): tiles' bounds are found, needs costs and scene_open_bounded; or NULL */
     uint32_t tile_budget; /* ticks, mean over tiles; 0: no limit. Needs bounds, and cells among the parts */
     const struct raster_learnt *learnt; /* with a budget; zero at first; NULL: nothing is learnt */
     struct raster_memory *memory; /* zero at first; NULL: nothing is remembered. No two threads' tiles may share it */

@@ -93,4 +93,14 @@ static inline double fixture_brdf(double theta_in, double theta_out, double phi)
     return 0.1 + 0.8 * pow(c2, 4);
 }
 
+enum { SCATTERED = 900 };
+
+/* Directions spread over the hemisphere by the golden angle, as gonioreflectometers with free axes give them. */
+static inline void fixture_spread(double *theta, double *phi, int i, double theta_max)
+{
+    double low = cos(theta_max * fixture_pi / 180), z = 1 - (1 - low) * (i + 0.5) / SCATTERED;
+    *theta = acos(z) * 180 / fixture_pi;
+    *phi = fmod(i * 137.50776405, 360);
+}
+
 #endif

@@ -9,7 +9,6 @@
 #include <cmocka.h>
 
 #include "host_import.h"
-#include "host_resample.h"
 #include "importer_fixture.h"
 #include "ref_table.h"
 
@@ -107,16 +106,6 @@ static void expect_samples(const struct measurement *m, size_t count, const doub
 }
 
 /* --- ASTM --- */
-
-enum { SCATTERED = 900 };
-
-/* Directions spread over the hemisphere by the golden angle, as gonioreflectometers with free axes give them. */
-static void spread(double *theta, double *phi, int i, double theta_max)
-{
-    double low = cos(theta_max * fixture_pi / 180), z = 1 - (1 - low) * (i + 0.5) / SCATTERED;
-    *theta = acos(z) * 180 / fixture_pi;
-    *phi = fmod(i * 137.50776405, 360);
-}
 
 static struct bytes make_astm(const char *vars, int values)
 {
@@ -219,7 +208,7 @@ static struct bytes make_cornell(bool degrees, int points)
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < points; k++) {
             double theta, phi;
-            spread(&theta, &phi, k * SCATTERED / points, 80);
+            fixture_spread(&theta, &phi, k * SCATTERED / points, 80);
             put_text(&b, "%.9g %.9g %.9g %.9g", (5 + 20 * i) * unit, 0.0, theta * unit, (phi - 180) * unit);
             double f = fixture_brdf(5 + 20 * i, theta, phi - 180);
             put_text(&b, " %.7g %.7g\t%.7g %.7g\n", f, f, f, f);
@@ -239,77 +228,6 @@ static void cornell_spectra_come_back_from_radians_and_degrees(void **state)
         measurement_free(&m);
         free(b.data);
     }
-}
-
-/* A cloud of 900 directions at 5, 25, 45 and 65 degrees, brought to the instrument's grid. */
-static void a_scattered_cloud_is_resampled_and_marked_where_it_ends(void **state)
-{
-    (void)state;
-    struct bytes b = make_cornell(true, SCATTERED);
-    struct measurement m, grid;
-    load(&m, &b);
-    char *problem = measurement_grid_problem(&m);
-    assert_non_null(problem);
-    free(problem);
-    assert_int_equal(measurement_slice_count(&m), 4);
-    measurement_resample(&grid, &m, measurement_geometry_find("dense"));
-    double worst = 0, sum = 0;
-    size_t measured = 0;
-    for (size_t i = 0; i < grid.count; i++) {
-        const struct measurement_point *p = &grid.points[i];
-        bool inside = p->theta_in > 4.9f && p->theta_in < 65.1f;
-        if (!inside || p->theta_out > 86) {
-            if (p->mark != MEASUREMENT_EXTRAPOLATED)
-                fail_msg("%g %g %g is marked %u", p->theta_in, p->theta_out, p->phi_out, p->mark);
-            assert_true(p->rgb[0] > 0 && p->rgb[0] < 1);
-            continue;
-        }
-        if (p->theta_out > 56)
-            continue; /* 20 degrees on is the end of the cloud of the next angle of incidence */
-        if (p->mark != MEASURED)
-            fail_msg("%g %g %g is marked %u", p->theta_in, p->theta_out, p->phi_out, p->mark);
-        double want = fixture_brdf((double)p->theta_in, (double)p->theta_out, (double)p->phi_out);
-        double error = fabs((double)p->rgb[0] - want) / want;
-        worst = fmax(worst, error);
-        sum += error;
-        measured++;
-    }
-    print_message("# resampled: mean error %.4f, largest %.4f\n", sum / (double)measured, worst);
-    assert_true(worst < 0.08 && sum / (double)measured < 0.01);
-    measurement_free(&grid);
-    measurement_free(&m);
-    free(b.data);
-}
-
-static void resampling_meets_the_samples_and_keeps_constants(void **state)
-{
-    (void)state;
-    struct bytes b = make_cornell(true, SCATTERED);
-    struct measurement m, grid;
-    load(&m, &b);
-    for (size_t i = 0; i < m.count; i++)
-        m.points[i].rgb[0] = 0.25f;
-    const struct measurement_geometry g = {"test", 5, 6, 20};
-    /* one sample exactly at a grid direction of 25 degrees, far from the others in value */
-    for (size_t i = 0; i < m.count; i++)
-        if (m.points[i].theta_in == 25) {
-            m.points[i] = (struct measurement_point){25, 10, 90, {0.25f, 7, 1}, MEASURED};
-            break;
-        }
-    measurement_resample(&grid, &m, &g);
-    bool met = false;
-    for (size_t i = 0; i < grid.count; i++) {
-        const struct measurement_point *p = &grid.points[i];
-        assert_true(fabsf(p->rgb[0] - 0.25f) < 1e-6f);
-        if (p->theta_in == 25 && p->theta_out == 10 && p->phi_out == 90) {
-            met = true;
-            assert_true(fabsf(p->rgb[1] - 7) < 0.01f);
-        }
-    }
-    assert_true(met);
-    measurement_free(&grid);
-    measurement_free(&m);
-    free(b.data);
 }
 
 static void cornell_says_what_is_wrong(void **state)
@@ -624,8 +542,6 @@ int main(void)
         cmocka_unit_test(astm_says_what_is_wrong),
         cmocka_unit_test(astm_cut_or_damaged_never_reads_outside_the_file),
         cmocka_unit_test(cornell_spectra_come_back_from_radians_and_degrees),
-        cmocka_unit_test(a_scattered_cloud_is_resampled_and_marked_where_it_ends),
-        cmocka_unit_test(resampling_meets_the_samples_and_keeps_constants),
         cmocka_unit_test(cornell_says_what_is_wrong),
         cmocka_unit_test(cornell_cut_or_damaged_never_reads_outside_the_file),
         cmocka_unit_test(zemax_comes_back_around_the_mirror_direction),
