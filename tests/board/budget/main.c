@@ -178,7 +178,8 @@ static struct frame render(uint32_t mean, bool compare, bool backward)
 static void open_scene(uint32_t index)
 {
     const struct budget_input *in = input();
-    checked(scene_open_bounded(&scene, board_input + in->scenes[index].at, in->scenes[index].bytes) == SCENE_OK, "no scene");
+    checked(scene_open_bounded(&scene, board_input + in->scenes[index].at, in->scenes[index].bytes) == SCENE_OK,
+            "no scene");
     memory = (struct raster_memory){.contrast = {0}};
     budget = (struct budget){.hal = &hal};
 }
