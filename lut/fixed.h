@@ -25,7 +25,8 @@ struct vec3 {
     int32_t x, y, z;
 };
 
-/* Keeps a function out of line: where its arguments would be widened to 64 bits, or its registers spilled, if it were inlined. */
+/* Keeps a function out of line: where its arguments would be widened to 64 bits, or its registers spilled, if it were inlined, or where
+ * copies of it save no time. */
 #define FX_NOINLINE __attribute__((noinline))
 
 /* Marks a function that runs seldom, once a frame or for few pixels: compiled for size. */
