@@ -22,7 +22,8 @@ static bool costs_valid(const struct raster_costs *c)
         valid = valid && c->taps[i] <= table->lit && table->lit + c->texels[i] + c->bright <= APP_MOST_SAMPLE_COST &&
                 table->point + c->texels[i] + c->bright + c->slow_point <= APP_MOST_SAMPLE_COST;
     for (unsigned i = RASTER_SHADE_LAFORTUNE_PHONG; i <= RASTER_SHADE_BLINN_PHONG; i++)
-        valid = valid && c->shading[i].lit + c->broad <= APP_MOST_SAMPLE_COST &&
+        valid = valid && c->shading[i].material + RASTER_BROAD_PLANES * c->broad <= APP_MOST_COST &&
+                c->shading[i].lit + c->broad <= APP_MOST_SAMPLE_COST &&
                 c->shading[i].point + c->broad + c->slow_point <= APP_MOST_SAMPLE_COST;
     for (unsigned i = 0; i < RASTER_SHADE_COUNT; i++) {
         const struct raster_shading_cost *s = &c->shading[i];

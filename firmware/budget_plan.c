@@ -326,7 +326,6 @@ static void expect(struct budget_plan *p, const struct budget *b, uint32_t light
 static void list_classes(struct budget_plan *p, const struct raster_tile *work)
 {
     const struct raster_survey *s = p->survey;
-    const struct raster_costs *c = p->r->frame.costs;
     uint64_t materials[RASTER_CLASSES] = {0}, seen[RASTER_MAX_REGIONS] = {0};
     uint32_t planes = 0, flat = 0, flat_planes = 0;
     for (uint32_t i = 1; i <= s->slots; i++)
@@ -356,8 +355,8 @@ static void list_classes(struct budget_plan *p, const struct raster_tile *work)
                 p->shared[i][k]++;
             seen[region] |= materials[id];
         }
-        const struct raster_shading_cost *k = &c->shading[shading_of(p, i, RASTER_RATE_4X4)];
-        planes = k->material > planes ? k->material : planes;
+        const uint32_t own = raster_shading_cost_of(p->r, shading_of(p, i, RASTER_RATE_4X4), RASTER_TAPS_8).material;
+        planes = own > planes ? own : planes;
         const uint32_t each = raster_flat_cost(p->r, s->material[id], s->point_lights);
         const uint32_t more = raster_flat_planes(p->r, s->material[id]);
         flat = each > flat ? each : flat;

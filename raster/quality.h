@@ -162,6 +162,7 @@ struct raster_costs {
     uint32_t bright;         /* ... and on top where it may be brighter than the loop for the re-packed copy takes */
     uint32_t broad;      /* what Phong's models do: with lobes of a power up to 1, or light beyond their loop's range */
     uint32_t slow_point; /* what any of these take more still, under a point light */
+#define RASTER_BROAD_PLANES 16u /* what they take more for planes: for as many pixels, to set out */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */
@@ -186,6 +187,7 @@ static inline struct raster_shading_cost raster_shading_cost_of(const struct ras
         c.lit -= costs->texels[RASTER_TAPS_8] - costs->texels[taps];
     } else if (r->slow & RASTER_SLOW(shading)) {
         more = costs->broad;
+        c.material += RASTER_BROAD_PLANES * more;
     }
     c.lit += more;
     more += more ? costs->slow_point : 0;

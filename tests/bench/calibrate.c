@@ -297,10 +297,11 @@ static void fit_shading(struct table *t, const struct lines *all)
     fit_taps(t, &f, all);
     for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
-        if (!is(l, "broad") || l->v[3] < LARGE)
+        if (!is(l, "broad"))
             continue;
         shade_counts(counts, l->v, (unsigned)((l->v[3] + l->v[4]) / l->v[2]));
-        at_least(&t->broad, (l->ticks - fit_at(&f, counts)) / l->v[3]);
+        const double planes = RASTER_BROAD_PLANES * counts[4 * (int)l->v[0]];
+        at_least(&t->broad, (l->ticks - fit_at(&f, counts)) / (l->v[3] + planes));
     }
     t->region = f.x[REGION], t->part = f.x[PART], t->cell = f.x[CELL];
     for (int k = 0; k < KINDS; k++) {
