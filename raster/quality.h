@@ -134,7 +134,8 @@ uint32_t raster_taps_error(enum raster_taps taps, uint32_t pixels);
  * What a target takes, in ticks of hal.clock with 4 fraction bits: at most, for scenes without surprises, as measured by make
  * calibrate. One table for each target. A sample's and a part's are below 2^17, all others at most 2^20.
  */
-#define RASTER_COST_BITS 4u
+#define RASTER_COST_BITS    4u
+#define RASTER_BROAD_PLANES 16u /* pixels' worth of `broad` that it takes for each light's planes, too */
 struct raster_costs {
     uint32_t tile;     /* clearing, finishing an empty one */
     uint32_t clear;    /* of that */
@@ -162,7 +163,6 @@ struct raster_costs {
     uint32_t bright;         /* ... and on top where it may be brighter than the loop for the re-packed copy takes */
     uint32_t broad;      /* what Phong's models do: with lobes of a power up to 1, or light beyond their loop's range */
     uint32_t slow_point; /* what any of these take more still, under a point light */
-#define RASTER_BROAD_PLANES 16u /* what they take more for planes: for as many pixels, to set out */
     struct raster_shading_cost {
         uint32_t material; /* per region and directional light: planes; in rows: a run of one meshlet */
         uint32_t sample;   /* gathering, tone curve */
