@@ -44,7 +44,16 @@ static void costs_out_of_range_are_refused(void **state)
     costs.texels[RASTER_TAPS_8]++; /* on top of that */
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     costs = *d->config.costs;
-    costs.broad = APP_MOST_SAMPLE_COST - costs.shading[RASTER_SHADE_BLINN_PHONG].point - costs.slow_point + 1;
+    uint32_t *material = &costs.shading[RASTER_SHADE_LAFORTUNE_PHONG].material;
+    *material = APP_MOST_COST - RASTER_BROAD_PLANES * costs.broad;
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
+    ++*material; /* broad lobes' planes on top */
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
+    costs = *d->config.costs;
+    uint32_t *point = &costs.shading[RASTER_SHADE_BLINN_PHONG].point;
+    *point = APP_MOST_SAMPLE_COST - costs.broad - costs.slow_point;
+    assert_int_equal(app_init(&app, d->app.hal, &config), APP_OK);
+    ++*point;
     assert_int_equal(app_init(&app, d->app.hal, &config), APP_ERR_CONFIG);
     sim_device_destroy(d);
 }
