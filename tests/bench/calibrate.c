@@ -317,8 +317,8 @@ static void fit_shading(struct table *t, const struct lines *all)
         counts[4 * k + 2] = counts[4 * k + 3] = 0;
         at_least(&t->shading[k].point, (l->ticks - fit_at(&f, counts)) / (l->v[3] + l->v[4]));
     }
-    for (size_t i = 0; i < all->count;
-         i++) { /* slower ways, which they are not on top of as under directional lights */
+    /* What slower ways take more than under directional lights, as a pixel is shaded by itself. */
+    for (size_t i = 0; i < all->count; i++) {
         const struct line *l = &all->line[i];
         const int k = (int)l->v[0];
         const double texels = t->texels[RASTER_TAPS_8];

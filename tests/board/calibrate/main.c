@@ -24,8 +24,8 @@ enum { WIDTH = 320, HEIGHT = 240, ARENA_BYTES = 256 * 1024, LIGHTS = 4, CAMERAS 
 
 static uint64_t arena[ARENA_BYTES / 8];
 static struct scene scene;
-static struct lut_table half_vector, plain, bright,
-    specular_frame; /* without its re-packed copy; all beyond the loop for it */
+static struct lut_table half_vector, specular_frame;
+static struct lut_table plain, bright; /* half_vector without its re-packed copy; all beyond the loop for that */
 static const struct lut_table *tables[RASTER_MAX_SLOTS] = {&half_vector, &specular_frame};
 static struct scene_material materials[SCENE_MAX_MATERIALS];
 static struct scene_light lights[LIGHTS];
